@@ -1,0 +1,74 @@
+//! The task plan: pairs, points, given orderings.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{ObjectId, PairId, RegionId, RobotId};
+
+/// One pick-and-place of one robot: the paper's abstract action (Sec. II-B), a transit and a transfer mode.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pair {
+    /// Name in files and messages, `<robot>.<number from 1>` unless the problem names it.
+    pub name: String,
+    /// Who.
+    pub robot: RobotId,
+    /// What.
+    pub object: ObjectId,
+    /// From where.
+    pub from: RegionId,
+    /// To where.
+    pub to: RegionId,
+    /// Which hop of the object this is, from 1: it takes the object from pose `hop - 1` to pose `hop`.
+    pub hop: u32,
+}
+
+/// The seven time points t0…t6 of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Point {
+    /// t0: the previous pair is done; the robot sets out empty-handed.
+    Start,
+    /// t1: the base has come to the pick stand for the last time before the grasp.
+    AtPick,
+    /// t2: the object is attached (G).
+    Grasp,
+    /// t3: the arm is in its carry configuration.
+    Carry,
+    /// t4: the base has come to the place stand for the last time before the release.
+    AtPlace,
+    /// t5: the object is detached (P).
+    Release,
+    /// t6: the arm is home again.
+    Done,
+}
+
+impl Point {
+    /// All points in order.
+    pub const ALL: [Point; 7] =
+        [Point::Start, Point::AtPick, Point::Grasp, Point::Carry, Point::AtPlace, Point::Release, Point::Done];
+
+    /// Name as in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        ["start", "at_pick", "grasp", "carry", "at_place", "release", "done"][self as usize]
+    }
+}
+
+/// An ordering the problem gives: `before` happens strictly before `after`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GivenOrdering {
+    /// What must come first.
+    pub before: (PairId, Point),
+    /// What must come later.
+    pub after: (PairId, Point),
+}
+
+/// What a robot does after its last pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EndPolicy {
+    /// Returns to its start configuration.
+    #[default]
+    Return,
+    /// Stays at its last stand with the arm home.
+    Stay,
+}

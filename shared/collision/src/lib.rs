@@ -1,1 +1,14 @@
-//! (in progress)
+//! The planner's geometry: whether states and straight motions keep clear, and whether two motions could meet.
+//!
+//! Units are m and rad. Every answer "no contact" is a proof up to floating-point rounding: over continuous time, with
+//! the clearance of the problem's settings kept. Answers "contact" are conservative by at most a fraction of it.
+
+mod contact;
+mod geometry;
+mod motion;
+mod sweep;
+
+pub use contact::{BodyName, Contact};
+pub use geometry::{Geometry, GeometryError};
+pub use motion::{AllowedContacts, Holding, Motion, Standing};
+pub use sweep::Sweep;

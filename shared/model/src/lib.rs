@@ -4,6 +4,7 @@
 //! `b` to coordinates in frame `a`. Nothing here knows how a plan is found.
 
 mod grasp;
+mod holding;
 mod ids;
 mod problem;
 mod robot;
@@ -13,6 +14,7 @@ mod shape;
 mod task;
 
 pub use grasp::{Grasp, GraspFamily};
+pub use holding::{AllowedContacts, Holding, Standing};
 pub use ids::{CoordinateId, FixedId, GraspId, JointId, LinkId, ObjectId, PairId, RegionId, RobotId};
 pub use problem::Problem;
 pub use robot::{Coordinate, EndEffector, Joint, JointMotion, JointValue, Link, PlanarBase, Robot};

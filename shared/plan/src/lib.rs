@@ -15,7 +15,8 @@ pub use failure::{BodyRef, Cause, Failure, ResultKind, StageCount};
 pub use file::{read_failure, read_plan, write_failure, write_plan, PlanFileError, FAILURE_FORMAT, PLAN_FORMAT};
 pub use ordering::{Origin, PairPoint, PlanOrdering};
 pub use provenance::{LowerBound, Makespan, Provenance};
-pub use trajectory::{Event, EventKind, Knot, ModeKind, PoseRecord, RobotTrajectory, Segment, SegmentKind};
+pub use trajectory::{Event, EventKind, Knot, PoseRecord, RobotTrajectory, Segment, SegmentKind};
+pub use skeleton::ModeKind;
 
 use serde::{Deserialize, Serialize};
 

@@ -3,6 +3,7 @@
 use model::Pose;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
+use skeleton::ModeKind;
 
 /// One robot's motion: linear in q between knots; before the first and after the last knot the robot stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -43,18 +44,6 @@ pub struct Segment {
     pub mode: ModeKind,
     /// Kind of motion.
     pub kind: SegmentKind,
-}
-
-/// Mode of a robot (paper Sec. II-B), and the closing return.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ModeKind {
-    /// Empty hand, on the way to a grasp.
-    Transit,
-    /// Holding, on the way to a release.
-    Transfer,
-    /// Empty hand, on the way to the end configuration.
-    Return,
 }
 
 /// Kind of motion in a segment.

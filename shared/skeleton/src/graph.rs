@@ -1,0 +1,260 @@
+//! The event graph: a strict partial order on events with incremental closure and undo.
+
+use model::{Problem, RobotId};
+use serde::{Deserialize, Serialize};
+
+use crate::Event;
+
+/// Where an arc comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum ArcOrigin {
+    /// Points of one pair, or consecutive pairs of one robot.
+    Robot,
+    /// Consecutive hops of one object.
+    Object,
+    /// Listed in the problem.
+    Given,
+    /// Found by the geometry.
+    Discovered,
+}
+
+/// `before` happens strictly before `after`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Arc {
+    /// What comes first.
+    pub before: Event,
+    /// What comes later.
+    pub after: Event,
+    /// Where it comes from.
+    pub origin: ArcOrigin,
+}
+
+/// Arcs that would close a cycle, in order round it; the refused arc is the last.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cycle(pub Vec<Arc>);
+
+/// A state of the graph to which it can be taken back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Checkpoint {
+    arcs: usize,
+    trail: usize,
+}
+
+/// Strict partial order on the events of a problem. The closure is a bit matrix; an arc costs O(n²/64).
+#[derive(Clone, Debug)]
+pub struct EventGraph {
+    nodes: usize,
+    words: usize,
+    /// `after[node * words ..]`: the nodes strictly after `node`.
+    after: Vec<u64>,
+    arcs: Vec<Arc>,
+    trail: Vec<(usize, u64)>,
+}
+
+impl EventGraph {
+    /// A graph on the events of `pairs` pairs with no order at all.
+    #[must_use]
+    pub fn unordered(pairs: usize) -> Self {
+        let nodes = pairs * model::Point::ALL.len();
+        let words = nodes.div_ceil(64);
+        Self { nodes, words, after: vec![0; nodes * words], arcs: Vec::new(), trail: Vec::new() }
+    }
+
+    /// The order that a problem gives: each robot's pairs in order, each object's hops, the listed orderings.
+    ///
+    /// # Errors
+    /// The first cycle met.
+    pub fn of_problem(problem: &Problem) -> Result<Self, Cycle> {
+        let mut graph = Self::unordered(problem.pairs.len());
+        for robot in 0..problem.robots.len() {
+            graph.add_robot_chain(problem, RobotId::at(robot))?;
+        }
+        for object in 0..problem.movable.len() {
+            for hops in problem.hops_of_object(model::ObjectId::at(object)).windows(2) {
+                graph.add(Event::release(hops[0]), Event::grasp(hops[1]), ArcOrigin::Object)?;
+            }
+        }
+        for ordering in &problem.orderings {
+            let (before, after) = (ordering.before, ordering.after);
+            graph.add(Event::new(before.0, before.1), Event::new(after.0, after.1), ArcOrigin::Given)?;
+        }
+        Ok(graph)
+    }
+
+    fn add_robot_chain(&mut self, problem: &Problem, robot: RobotId) -> Result<(), Cycle> {
+        let chain: Vec<Event> = problem
+            .pairs_of_robot(robot)
+            .flat_map(|pair| model::Point::ALL.map(|point| Event::new(pair, point)))
+            .collect();
+        for step in chain.windows(2) {
+            self.add(step[0], step[1], ArcOrigin::Robot)?;
+        }
+        Ok(())
+    }
+
+    /// Whether `a` happens strictly before `b` in every execution.
+    #[must_use]
+    pub fn precedes(&self, a: Event, b: Event) -> bool {
+        self.reaches(a.node(), b.node())
+    }
+
+    /// `a` ≼ `b`.
+    #[must_use]
+    pub fn precedes_or_is(&self, a: Event, b: Event) -> bool {
+        a == b || self.precedes(a, b)
+    }
+
+    /// All arcs in the order in which they were added.
+    #[must_use]
+    pub fn arcs(&self) -> &[Arc] {
+        &self.arcs
+    }
+
+    /// Adds an ordering. One that follows already is recorded all the same.
+    ///
+    /// # Errors
+    /// The cycle it would close; the graph is then as before.
+    pub fn add(&mut self, before: Event, after: Event, origin: ArcOrigin) -> Result<(), Cycle> {
+        let arc = Arc { before, after, origin };
+        let (u, v) = (before.node(), after.node());
+        if u == v || self.reaches(v, u) {
+            let mut arcs = self.path(v, u);
+            arcs.push(arc);
+            return Err(Cycle(arcs));
+        }
+        self.arcs.push(arc);
+        if !self.reaches(u, v) {
+            for x in (0..self.nodes).filter(|x| *x == u || self.reaches(*x, u)).collect::<Vec<_>>() {
+                self.join(x, v);
+            }
+        }
+        Ok(())
+    }
+
+    /// The present state, for [`EventGraph::undo`].
+    #[must_use]
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint { arcs: self.arcs.len(), trail: self.trail.len() }
+    }
+
+    /// Takes back every arc added since `checkpoint`.
+    pub fn undo(&mut self, checkpoint: Checkpoint) {
+        while self.trail.len() > checkpoint.trail {
+            if let Some((word, old)) = self.trail.pop() {
+                self.after[word] = old;
+            }
+        }
+        self.arcs.truncate(checkpoint.arcs);
+    }
+
+    fn reaches(&self, from: usize, to: usize) -> bool {
+        self.after[from * self.words + to / 64] >> (to % 64) & 1 == 1
+    }
+
+    /// Everything at or after `to` is now after `from`.
+    fn join(&mut self, from: usize, to: usize) {
+        for word in 0..self.words {
+            let itself = if to / 64 == word { 1 << (to % 64) } else { 0 };
+            let joined = self.after[from * self.words + word] | self.after[to * self.words + word] | itself;
+            let old = std::mem::replace(&mut self.after[from * self.words + word], joined);
+            if old != joined {
+                self.trail.push((from * self.words + word, old));
+            }
+        }
+    }
+
+    /// Arcs of a shortest path between two nodes; empty if they are one.
+    fn path(&self, from: usize, to: usize) -> Vec<Arc> {
+        let mut reached_by: Vec<Option<usize>> = vec![None; self.nodes];
+        let mut queue = std::collections::VecDeque::from([from]);
+        while let Some(node) = queue.pop_front() {
+            for (index, arc) in self.arcs.iter().enumerate().filter(|(_, arc)| arc.before.node() == node) {
+                let next = arc.after.node();
+                if next != from && reached_by[next].is_none() {
+                    reached_by[next] = Some(index);
+                    queue.push_back(next);
+                }
+            }
+        }
+        let mut arcs = Vec::new();
+        let mut node = to;
+        while let (true, Some(index)) = (node != from, reached_by[node]) {
+            arcs.push(self.arcs[index]);
+            node = self.arcs[index].before.node();
+        }
+        arcs.reverse();
+        arcs
+    }
+
+    /// All events, in node order.
+    pub fn events(&self) -> impl Iterator<Item = Event> + use<> {
+        (0..self.nodes).map(Event::of_node)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::{PairId, Point};
+
+    fn event(pair: usize, point: Point) -> Event {
+        Event::new(PairId::at(pair), point)
+    }
+
+    #[test]
+    fn an_arc_that_would_close_a_cycle_is_refused_and_names_the_cycle() {
+        let mut graph = EventGraph::unordered(3);
+        let (a, b, c) = (event(0, Point::Grasp), event(1, Point::Release), event(2, Point::Grasp));
+        graph.add(a, b, ArcOrigin::Given).unwrap();
+        graph.add(b, c, ArcOrigin::Given).unwrap();
+        let Cycle(arcs) = graph.add(c, a, ArcOrigin::Discovered).unwrap_err();
+        let around: Vec<(Event, Event)> = arcs.iter().map(|arc| (arc.before, arc.after)).collect();
+        assert_eq!(around, [(a, b), (b, c), (c, a)]);
+        assert!(graph.precedes(a, c) && !graph.precedes(c, a));
+        assert_eq!(graph.add(a, a, ArcOrigin::Given).unwrap_err().0.len(), 1);
+    }
+
+    #[test]
+    fn closure_equals_that_of_repeated_search_and_undo_restores_it() {
+        let mut state = 7_u64;
+        let mut next = move |n: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            usize::try_from((state >> 33) % n).unwrap()
+        };
+        for round in 0..200 {
+            let mut graph = EventGraph::unordered(4);
+            let events: Vec<Event> = graph.events().collect();
+            let mut marks = vec![(graph.checkpoint(), graph.after.clone())];
+            for _ in 0..30 {
+                let (u, v) = (events[next(28)], events[next(28)]);
+                let refused = graph.add(u, v, ArcOrigin::Given).is_err();
+                let closure = searched_closure(&graph);
+                assert_eq!(graph.after, closure, "round {round}");
+                assert_eq!(refused, u == v || closure[v.node()] >> u.node() & 1 == 1, "round {round}");
+                marks.push((graph.checkpoint(), graph.after.clone()));
+            }
+            for (mark, after) in marks.iter().rev() {
+                graph.undo(*mark);
+                assert_eq!(&graph.after, after, "round {round}");
+            }
+        }
+    }
+
+    fn searched_closure(graph: &EventGraph) -> Vec<u64> {
+        (0..graph.nodes)
+            .map(|start| {
+                let (mut seen, mut stack) = (0_u64, vec![start]);
+                while let Some(node) = stack.pop() {
+                    for arc in graph.arcs.iter().filter(|arc| arc.before.node() == node) {
+                        let next = arc.after.node();
+                        if seen >> next & 1 == 0 {
+                            seen |= 1 << next;
+                            stack.push(next);
+                        }
+                    }
+                }
+                seen
+            })
+            .collect()
+    }
+}

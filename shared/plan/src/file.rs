@@ -1,6 +1,6 @@
 //! Reading and writing the two files.
 
-use serde::{de::DeserializeOwned, Serialize};
+use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{Failure, Plan};
 

@@ -12,11 +12,11 @@ mod trajectory;
 
 pub use dependency::{Dependency, KnotRef};
 pub use failure::{BodyRef, Cause, Failure, ResultKind, StageCount};
-pub use file::{read_failure, read_plan, write_failure, write_plan, PlanFileError, FAILURE_FORMAT, PLAN_FORMAT};
+pub use file::{FAILURE_FORMAT, PLAN_FORMAT, PlanFileError, read_failure, read_plan, write_failure, write_plan};
 pub use ordering::{Origin, PairPoint, PlanOrdering};
 pub use provenance::{LowerBound, Makespan, Provenance};
-pub use trajectory::{Event, EventKind, Knot, PoseRecord, RobotTrajectory, Segment, SegmentKind};
 pub use skeleton::ModeKind;
+pub use trajectory::{Event, EventKind, Knot, PoseRecord, RobotTrajectory, Segment, SegmentKind};
 
 use serde::{Deserialize, Serialize};
 

@@ -38,8 +38,7 @@ impl EventGraph {
     /// Whether `present` overlaps `during`, over all executions that the order allows.
     #[must_use]
     pub fn presence(&self, present: Interval, during: Interval) -> Presence {
-        let (gone_before, comes_after) =
-            (self.ends_by(present.to, during.from), self.ends_by(during.to, present.from));
+        let (gone_before, comes_after) = (self.ends_by(present.to, during.from), self.ends_by(during.to, present.from));
         if gone_before || comes_after {
             return Presence::Never;
         }
@@ -106,7 +105,8 @@ mod tests {
             let end = |i: usize| if i == 7 { None } else { Some(events[i]) };
             for _ in 0..60 {
                 let pick = [next(8), next(8), next(8), next(8)];
-                let [present, during] = [[0, 1], [2, 3]].map(|[f, t]| Interval { from: end(pick[f]), to: end(pick[t]) });
+                let [present, during] =
+                    [[0, 1], [2, 3]].map(|[f, t]| Interval { from: end(pick[f]), to: end(pick[t]) });
                 let ordered = |i: Interval| match (i.from, i.to) {
                     (Some(from), Some(to)) => graph.precedes(from, to),
                     _ => true,

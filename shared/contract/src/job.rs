@@ -1,0 +1,244 @@
+//! Jobs: small questions to stages, each a value that holds or names everything its answer depends on.
+
+use model::{Configuration, Holding, PairId, Pose, RobotId, Standing};
+use serde::{Deserialize, Serialize};
+use skeleton::{ModeId, Occupancy};
+
+use crate::scope::scope_digest;
+use crate::{Assignment, Digest, Literal, ProblemStatement, ProductRef, Reach, StageKind, encode_canonical};
+
+/// Identity of a job: equal for equal questions to equal implementations under equal circumstances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct JobId(pub Digest);
+
+/// A question and the work that may be spent on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// Question.
+    pub request: Request,
+    /// Work units that may be spent.
+    pub budget: u64,
+}
+
+/// What is asked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Request {
+    /// Placement: candidates.
+    Placement(PlacementJob),
+    /// Transition: alternatives of a pair.
+    Transition(TransitionJob),
+    /// Transition: what standing objects block a reach.
+    Blockers(BlockersJob),
+    /// Roadmap: a piece.
+    Piece(PieceJob),
+    /// Roadmap: the glued roadmap of a mode.
+    Mode(ModeJob),
+    /// Composite.
+    Compose(ComposeJob),
+}
+
+/// Asks for `count` candidates from number `first` on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlacementJob {
+    /// Sample level.
+    pub level: u32,
+    /// First candidate's index in the canonical enumeration.
+    pub first: u32,
+    /// Number of candidates.
+    pub count: u32,
+    /// Combinations of placements (and orders) that must not be offered.
+    pub nogoods: Vec<Vec<Literal>>,
+}
+
+/// Asks for `count` alternatives of a pair from number `first` on. Only the robot, the object and fixed objects count.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TransitionJob {
+    /// Pair.
+    pub pair: PairId,
+    /// Where the object is taken from.
+    pub world_from_pick: Pose,
+    /// Where it is brought.
+    pub world_from_place: Pose,
+    /// Sample level.
+    pub level: u32,
+    /// First alternative's index in the canonical enumeration.
+    pub first: u32,
+    /// Number of alternatives.
+    pub count: u32,
+}
+
+/// Asks which of the standing objects block a reach, that is, its short ways `approach` and `lift`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BlockersJob {
+    /// Robot.
+    pub robot: RobotId,
+    /// What it holds on `lift`; its object is the one touched on `approach`.
+    pub holding: Holding,
+    /// Reach.
+    pub reach: Reach,
+    /// Objects that may stand there.
+    pub standing: Vec<Standing>,
+}
+
+/// Asks for a roadmap piece: the robot and fixed objects only.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PieceJob {
+    /// Robot.
+    pub robot: RobotId,
+    /// What it holds.
+    pub holding: Option<Holding>,
+    /// Sample level.
+    pub level: u32,
+    /// Which piece.
+    pub spec: PieceSpec,
+}
+
+/// Kinds of pieces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PieceSpec {
+    /// The base drives with the arm in its drive configuration (`home` empty-handed, `carry` holding).
+    Base,
+    /// The arm moves between the drive configuration at a stand and an object.
+    Arm {
+        /// Base coordinates.
+        stand: Vec<f64>,
+        /// Way from the object outwards, at the object first: `Reach::approach` or `Reach::lift`, or one configuration.
+        near: Vec<Configuration>,
+        /// Number of leading motions of `near` on which the held object may touch `support`.
+        lift_up: u32,
+        /// What the object stands on.
+        support: Option<model::FixedId>,
+        /// Standing object that the hand may touch on `near` (empty-handed).
+        touch: Option<model::ObjectId>,
+    },
+}
+
+/// A standing object that may or does obstruct a mode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Obstruction {
+    /// Which pose of the object.
+    pub occupancy: Occupancy,
+    /// Object and pose.
+    pub standing: Standing,
+}
+
+/// Asks for the glued roadmap of a mode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModeJob {
+    /// Mode.
+    pub mode: ModeId,
+    /// What the robot holds.
+    pub holding: Option<Holding>,
+    /// Where the mode begins.
+    pub start: Configuration,
+    /// Where its event happens.
+    pub goal: Configuration,
+    /// Base piece (absent for a fixed base).
+    pub base: Option<ProductRef>,
+    /// Arm piece at the start (absent if the mode starts in the drive configuration).
+    pub start_arm: Option<ProductRef>,
+    /// Arm piece at the goal (absent if it ends in the drive configuration).
+    pub goal_arm: Option<ProductRef>,
+    /// Poses certainly present throughout: obstacles.
+    pub certain: Vec<Obstruction>,
+    /// Poses possibly present: annotations.
+    pub possible: Vec<Obstruction>,
+    /// Sample level, for connections.
+    pub level: u32,
+}
+
+/// Asks the composite stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ComposeJob {
+    /// Placements, grasps and orders that hold.
+    pub assignment: Assignment,
+    /// What is wanted.
+    pub composition: Composition,
+}
+
+/// Kinds of composite jobs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Composition {
+    /// Commit one mode after `prefix`.
+    CommitMode {
+        /// What is committed so far.
+        prefix: Option<ProductRef>,
+        /// The robot's next mode.
+        mode: ModeId,
+        /// Its roadmap.
+        roadmap: ProductRef,
+        /// The roadmap of the robot's mode after it, for the tail; absent after a closing return.
+        next_roadmap: Option<ProductRef>,
+    },
+    /// The paper's multi-modal dRRT* for everything after `prefix`.
+    Drrt {
+        /// What is committed so far.
+        prefix: Option<ProductRef>,
+        /// Roadmap of every mode of every robot.
+        roadmaps: Vec<Vec<ProductRef>>,
+    },
+    /// Retimed plan of a complete prefix, with its dependency arcs.
+    Assemble {
+        /// All modes committed.
+        prefix: ProductRef,
+        /// Least time of each mode on its roadmap, for the lower bound (s).
+        shortest_s: Vec<Vec<f64>>,
+    },
+}
+
+impl Job {
+    /// The stage that answers.
+    #[must_use]
+    pub fn stage(&self) -> StageKind {
+        match &self.request {
+            Request::Placement(_) => StageKind::Placement,
+            Request::Transition(_) | Request::Blockers(_) => StageKind::Transition,
+            Request::Piece(_) | Request::Mode(_) => StageKind::Roadmap,
+            Request::Compose(_) => StageKind::Composite,
+        }
+    }
+
+    /// The one robot that the job is about, if there is one: roadmap jobs go to that robot's worker.
+    #[must_use]
+    pub fn robot(&self) -> Option<RobotId> {
+        match &self.request {
+            Request::Piece(piece) => Some(piece.robot),
+            Request::Mode(mode) => Some(mode.mode.robot),
+            Request::Blockers(blockers) => Some(blockers.robot),
+            Request::Placement(_) | Request::Transition(_) | Request::Compose(_) => None,
+        }
+    }
+
+    /// Products that the answer depends on.
+    #[must_use]
+    pub fn products(&self) -> Vec<ProductRef> {
+        match &self.request {
+            Request::Mode(job) => [job.base, job.start_arm, job.goal_arm].into_iter().flatten().collect(),
+            Request::Compose(job) => match &job.composition {
+                Composition::CommitMode { prefix, roadmap, next_roadmap, .. } => {
+                    [*prefix, Some(*roadmap), *next_roadmap].into_iter().flatten().collect()
+                }
+                Composition::Drrt { prefix, roadmaps } => {
+                    prefix.iter().chain(roadmaps.iter().flatten()).copied().collect()
+                }
+                Composition::Assemble { prefix, .. } => vec![*prefix],
+            },
+            Request::Placement(_) | Request::Transition(_) | Request::Blockers(_) | Request::Piece(_) => Vec::new(),
+        }
+    }
+
+    /// Digest of implementation, seed, the part of the problem that the stage reads, question and budget.
+    #[must_use]
+    pub fn id(&self, statement: &ProblemStatement) -> JobId {
+        let scope = scope_digest(&statement.problem, &self.request);
+        JobId(Digest::of(
+            "mrtamp job",
+            &[
+                statement.implementation(self.stage()).as_bytes(),
+                &statement.seed.to_le_bytes(),
+                &scope.0,
+                &encode_canonical(self),
+            ],
+        ))
+    }
+}

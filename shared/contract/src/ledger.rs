@@ -1,0 +1,78 @@
+//! What the search has committed to, in program order.
+
+use model::PairId;
+use plan::Cause;
+use serde::{Deserialize, Serialize};
+use skeleton::ModeId;
+
+use crate::{Digest, JobId, Nogood, StageKind, encode_canonical};
+
+/// A decision of the search.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Decision {
+    /// Sample level.
+    Level(u32),
+    /// Placement candidate, by its index at the present level.
+    Placement(u32),
+    /// Alternative of a pair.
+    Alternative {
+        /// Pair.
+        pair: PairId,
+        /// Index.
+        index: u32,
+    },
+    /// A mode is committed by the composite stage.
+    Commit(ModeId),
+    /// The rest is left to the composite search.
+    Drrt,
+}
+
+/// One line of the committed log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LedgerEntry {
+    /// A decision was taken.
+    Decided(Decision),
+    /// An outcome was used.
+    Used {
+        /// Job.
+        job: JobId,
+        /// Digest of the outcome.
+        outcome: Digest,
+    },
+    /// A nogood was learnt.
+    Learnt(Nogood),
+    /// A decision of a stage is revised: the backtrack request.
+    Backtrack {
+        /// Stage whose decision is revised.
+        stage: StageKind,
+        /// Decision.
+        decision: Decision,
+        /// Why.
+        because: Option<Cause>,
+    },
+    /// A plan was committed.
+    Solved {
+        /// Digest of the plan's product.
+        plan: Digest,
+    },
+}
+
+/// The committed log. Two runs of one statement have equal ledgers, or one is a prefix of the other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Ledger {
+    /// Entries in program order.
+    pub entries: Vec<LedgerEntry>,
+}
+
+impl Ledger {
+    /// Appends an entry.
+    pub fn commit(&mut self, entry: LedgerEntry) {
+        self.entries.push(entry);
+    }
+
+    /// Digest of all entries.
+    #[must_use]
+    pub fn digest(&self) -> Digest {
+        Digest::of("mrtamp ledger", &[&encode_canonical(self)])
+    }
+}

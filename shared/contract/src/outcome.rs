@@ -1,0 +1,115 @@
+//! Outcomes: answers and failures, with their causes.
+
+use model::PairId;
+use plan::Cause;
+use serde::{Deserialize, Serialize};
+use skeleton::{Event, Occupancy};
+
+use crate::{Alternative, JobId, PlacementCandidate, ProductRef};
+
+/// What a stage says to a job. A failed search is an outcome, not an error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Answer or failure.
+    pub result: Result<Answer, FailureReport>,
+    /// Work units spent.
+    pub work: u64,
+}
+
+/// An answer; the variant belongs to the request's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Answer {
+    /// To `Placement`: candidates in canonical order; fewer than asked if the level has no more.
+    Placements(Vec<PlacementCandidate>),
+    /// To `Transition`: alternatives in canonical order; fewer than asked if the level has no more.
+    Alternatives(Vec<Alternative>),
+    /// To `Blockers`: for each standing object, whether it blocks the reach.
+    Blocked(Vec<bool>),
+    /// To `Piece`.
+    Piece(ProductRef),
+    /// To `Mode`.
+    Mode {
+        /// Glued roadmap.
+        roadmap: ProductRef,
+        /// Least time from start to goal, possible poses ignored (s).
+        shortest_s: f64,
+        /// Smallest known set of possible poses (indices into the job's list) on one way from start to goal.
+        in_the_way: Vec<u32>,
+    },
+    /// To `CommitMode` and `Drrt`.
+    Committed {
+        /// The longer prefix.
+        prefix: ProductRef,
+        /// When the last committed event happens (s).
+        event_s: f64,
+        /// When the robot's tail is over (s); for `Drrt`, when all motion is over.
+        tail_s: f64,
+    },
+    /// To `Assemble`.
+    Plan {
+        /// Bytes of `plan.json`.
+        plan: ProductRef,
+        /// Makespan of the task (s).
+        makespan_s: f64,
+    },
+}
+
+/// Why a job failed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FailureReport {
+    /// Causes with how often each was met, most frequent first.
+    pub causes: Vec<(Cause, u64)>,
+    /// Whether more samples could help.
+    pub soundness: Soundness,
+}
+
+/// How far a failure goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Soundness {
+    /// Proven for every sample at every level.
+    Hard,
+    /// Only for the samples of this level.
+    Soft {
+        /// Level.
+        level: u32,
+    },
+}
+
+/// One committed choice that a nogood speaks of.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Literal {
+    /// A pose of an object is this sample.
+    Pose {
+        /// Which pose.
+        occupancy: Occupancy,
+        /// Which sample.
+        sample: u32,
+    },
+    /// A pair is done in this way.
+    Alternative {
+        /// Pair.
+        pair: PairId,
+        /// Index in the canonical enumeration.
+        index: u32,
+    },
+    /// An ordering was added.
+    Order {
+        /// First.
+        before: Event,
+        /// Later.
+        after: Event,
+    },
+}
+
+/// Choices that cannot all be kept, and why.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Nogood {
+    /// Choices.
+    pub literals: Vec<Literal>,
+    /// Why.
+    pub cause: Option<Cause>,
+    /// How far it goes.
+    pub soundness: Soundness,
+    /// The job that showed it.
+    pub proof: JobId,
+}

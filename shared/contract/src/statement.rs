@@ -1,0 +1,53 @@
+//! The statement that every process of a run works from.
+
+use std::collections::BTreeMap;
+
+use model::Problem;
+use serde::{Deserialize, Serialize};
+
+use crate::{Digest, StageKind, encode_canonical};
+
+/// How composite motion is searched for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CompositeMethod {
+    /// Mode by mode with safe tails; multi-modal dRRT* where that fails.
+    #[default]
+    Prioritised,
+    /// Multi-modal dRRT* alone.
+    Drrt,
+}
+
+/// Problem, seed and the implementation of each stage. Self-contained: geometry, no paths.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProblemStatement {
+    /// Problem.
+    pub problem: Problem,
+    /// Seed of all random values.
+    pub seed: u64,
+    /// How composite motion is searched for.
+    pub composite: CompositeMethod,
+    /// `name/version` of each stage's implementation, as its worker said in its Hello.
+    pub implementations: BTreeMap<StageKind, String>,
+}
+
+impl ProblemStatement {
+    /// A statement with this program's own stages.
+    #[must_use]
+    pub fn new(problem: Problem, seed: u64, composite: CompositeMethod) -> Self {
+        let own = |stage: StageKind| (stage, format!("mrtamp-{stage}/{}", env!("CARGO_PKG_VERSION")));
+        Self { problem, seed, composite, implementations: StageKind::ALL.into_iter().map(own).collect() }
+    }
+
+    /// Implementation of a stage; empty if none has said Hello.
+    #[must_use]
+    pub fn implementation(&self, stage: StageKind) -> &str {
+        self.implementations.get(&stage).map_or("", String::as_str)
+    }
+
+    /// Digest of the problem alone.
+    #[must_use]
+    pub fn problem_digest(&self) -> Digest {
+        Digest::of("mrtamp problem", &[&encode_canonical(&self.problem)])
+    }
+}

@@ -31,7 +31,8 @@ pub enum EdgeKind {
     Arm,
 }
 
-/// A straight motion in configuration space between two vertices, usable both ways.
+/// A straight motion in configuration space between two vertices, usable both ways; unbounded coordinates (yaw) go the
+/// short way round, see `model::Robot::short_way`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Edge {
     /// One end.
@@ -69,7 +70,8 @@ pub struct ModeRoadmap {
     pub mode: ModeId,
     /// What the robot holds throughout.
     pub holding: Option<Holding>,
-    /// Configurations (angles unwrapped so that edges are straight).
+    /// Configurations. An edge is the straight motion to `Robot::short_way(from, to)`: unbounded coordinates (yaw) go
+    /// the short way round, so a path's configurations are vertices' up to whole turns of those coordinates.
     pub vertices: Vec<Configuration>,
     /// Edges, annotated with the possible poses that block them.
     pub edges: Vec<Edge>,

@@ -9,7 +9,7 @@ use crate::{EdgeKind, ProductRef};
 /// One robot moves straight from one configuration to another, or (equal ends) stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Move {
-    /// First configuration.
+    /// First configuration: exactly the previous move's last, unbounded coordinates never jump by whole turns.
     pub from: Configuration,
     /// Last configuration.
     pub to: Configuration,

@@ -60,6 +60,20 @@ impl Robot {
         longest
     }
 
+    /// `to` with unbounded coordinates (yaw, continuous joints) taken the short way from `from`: each differs from
+    /// `from`'s by at most π. Every edge of a roadmap and every [`crate::Robot::duration`] of one means this motion.
+    #[must_use]
+    pub fn short_way(&self, from: &[f64], to: &[f64]) -> Configuration {
+        let turn = std::f64::consts::TAU;
+        let short = |i: usize| {
+            if self.coordinates[i].upper.is_finite() {
+                return to[i];
+            }
+            to[i] - turn * ((to[i] - from[i]) / turn).round()
+        };
+        (0..to.len()).map(short).collect()
+    }
+
     /// Whether `link` belongs to the end effector (a touch link).
     #[must_use]
     pub fn is_touch_link(&self, link: LinkId) -> bool {

@@ -26,14 +26,25 @@ impl Reach {
     /// Bounds for the robot's end effector.
     ///
     /// Every axis is given the point that makes the way over these points shortest; distances of points one or two apart
-    /// follow from the joint limits, all others from the triangle inequality.
+    /// follow from the joint limits, all others from the triangle inequality. Where an axis runs along the way, as that of
+    /// a rolling forearm does, both of its ends are tried.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
         let chain = SerialChain::of(robot);
         let (lines, root_from_link) = chain.at_zero();
-        let points = points_on_axes(&chain, &lines, Point3::from(root_from_link.translation.vector));
-        let (least, greatest) = distance_bounds(&chain, &lines, &points);
-        Self { root_from_shoulder: points[0], least, greatest }
+        let at_origins = lines.iter().map(|line| line.point);
+        let mut points: Vec<Point3<f64>> =
+            at_origins.chain([Point3::from(root_from_link.translation.vector)]).collect();
+        settle(&mut points, &chain, &lines, 0, lines.len());
+        let root_from_shoulder = points[0];
+        let (mut least, mut greatest) = (0.0_f64, f64::INFINITY);
+        for split in 0..=lines.len() {
+            let mut points = points.clone();
+            settle(&mut points, &chain, &lines, 1, split);
+            let bounds = distance_bounds(&chain, &lines, &points);
+            (least, greatest) = (least.max(bounds.0), greatest.min(bounds.1));
+        }
+        Self { root_from_shoulder, least, greatest }
     }
 
     /// Whether the pose `root_from_link` lies within the bounds.
@@ -44,30 +55,32 @@ impl Reach {
     }
 }
 
-/// One point per joint, on the axis of a turning one, then the hand: at joint values zero, the sum of distances small.
-fn points_on_axes(chain: &SerialChain, lines: &[Line], hand: Point3<f64>) -> Vec<Point3<f64>> {
+/// Moves the points of the joints from `first` on along their axes so that the way over all points becomes shorter.
+///
+/// One point per joint at joint values zero, on the axis of a turning one, then the hand. A point that may lie anywhere
+/// between its neighbours goes to the one before if its joint comes before `split`, else to the one after.
+fn settle(points: &mut [Point3<f64>], chain: &SerialChain, lines: &[Line], first: usize, split: usize) {
     const SWEEPS: usize = 64;
-    let mut points: Vec<Point3<f64>> = lines.iter().map(|line| line.point).chain([hand]).collect();
     for _ in 0..SWEEPS {
-        for i in 0..lines.len() {
+        for i in first..lines.len() {
             let (before, after) = (points[i.saturating_sub(1)], points[i + 1]);
             points[i] = match (chain.joints[i].turns, i) {
                 (true, 0) => nearest_between(&lines[i], &after, &after),
-                (true, _) => nearest_between(&lines[i], &before, &after),
+                (true, _) if i < split => nearest_between(&lines[i], &before, &after),
+                (true, _) => nearest_between(&lines[i], &after, &before),
                 (false, 0) => points[0],
                 (false, _) => before,
             };
         }
     }
-    points
 }
 
-/// The point of a line with the least sum of distances to two points.
+/// The point of a line with the least sum of distances to `a` and `b`; the foot of `a` where the line holds both.
 fn nearest_between(line: &Line, a: &Point3<f64>, b: &Point3<f64>) -> Point3<f64> {
     let along = |p: &Point3<f64>| line.axis.dot(&(p - line.point));
     let (across_a, across_b) = (line.to(a).norm(), line.to(b).norm());
     let total = across_a + across_b;
-    let weight = if total > 1e-12 { across_a / total } else { 0.0 };
+    let weight = if total > 1e-9 { across_a / total } else { 0.0 };
     line.point + line.axis * (along(a) + weight * (along(b) - along(a)))
 }
 

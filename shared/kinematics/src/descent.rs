@@ -20,6 +20,10 @@ const PROGRESS: f64 = 0.8;
 /// Levenberg-Marquardt with the damping proportional to the squared error (Sugihara, "Solvability-unconcerned inverse
 /// kinematics by the Levenberg-Marquardt method", 2011); a coordinate that presses against its limit is held there.
 pub(crate) fn descend(chain: &SerialChain, root_from_link: &Pose, arm: &mut [f64], most_steps: usize) -> f64 {
+    let numbers = root_from_link.translation.vector.iter().chain(root_from_link.rotation.coords.iter());
+    if !numbers.chain(arm.iter()).all(|x| x.is_finite()) {
+        return f64::INFINITY;
+    }
     let mut columns = Vec::with_capacity(arm.len());
     let mut earlier = f64::INFINITY;
     for step in 0.. {
@@ -27,7 +31,7 @@ pub(crate) fn descend(chain: &SerialChain, root_from_link: &Pose, arm: &mut [f64
         let error = difference(root_from_link, &pose);
         let size = size(&error);
         let stalled = step % PATIENCE == PATIENCE - 1 && size > PROGRESS * std::mem::replace(&mut earlier, size);
-        if size.is_nan() || size <= REACHED || step == most_steps || stalled {
+        if size <= REACHED || step == most_steps || stalled {
             return size;
         }
         hold_at_limits(chain, arm, &error, &mut columns);

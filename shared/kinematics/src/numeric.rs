@@ -41,11 +41,9 @@ impl NumericArm {
         }
         for attempt in 0..SEEDS {
             let mut arm = self.seed(redundancy, attempt);
-            if descend(&self.chain, root_from_link, &mut arm, STEPS) > TOLERANCE {
-                continue;
-            }
+            let fits = descend(&self.chain, root_from_link, &mut arm, STEPS) <= TOLERANCE;
             self.unwind(&mut arm);
-            if found.iter().all(|other| greatest_difference(other, &arm) > SAME) {
+            if fits && found.iter().all(|other| greatest_difference(other, &arm) > SAME) {
                 found.push(arm);
             }
         }

@@ -60,7 +60,7 @@ impl ArmSolver {
         (greatest_difference(&next, arm) <= max_step).then_some(next)
     }
 
-    /// How far the end effector's parent link is from the shoulder at least and at most.
+    /// How far the end effector's parent link is from the shoulder at least and at most: worked out at every call.
     #[must_use]
     pub fn reach(&self, robot: &Robot) -> Reach {
         Reach::of(robot)

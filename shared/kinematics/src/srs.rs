@@ -173,10 +173,8 @@ impl SrsArm {
             let Some(value) = self.chain.ranges[joint.index].nearest_turn(value, near) else { return };
             arm[joint.index] = value;
         }
-        if !self.exact && descend(&self.chain, root_from_link, &mut arm, 8) > TOLERANCE {
-            return;
-        }
-        if found.iter().all(|other| greatest_difference(other, &arm) > SAME) {
+        let fits = self.exact || descend(&self.chain, root_from_link, &mut arm, 8) <= TOLERANCE;
+        if fits && found.iter().all(|other| greatest_difference(other, &arm) > SAME) {
             found.push(arm);
         }
     }

@@ -199,6 +199,8 @@ fn unreachable_and_meaningless_targets_give_no_solution() {
         assert!(solver.solve(&Pose::translation(bad, 0.0, 0.5), 0.0).is_empty());
         assert!(solver.nearest(&Pose::translation(bad, 0.0, 0.5), &[0.0; 7]).is_none());
     }
+    let twisted = Pose::rotation(Vector3::new(f64::NAN, 0.0, 0.0));
+    assert!(solver.solve(&(Pose::translation(0.4, 0.1, 0.6) * twisted), 0.0).is_empty());
     assert!(solver.solve(&hand(&robot, &[0.3; 7]), f64::NAN).is_empty());
 }
 

@@ -109,6 +109,10 @@ fn a_pose_out_of_reach_or_without_numbers_is_refused() {
     for (x, u) in [(5.0, 0.3), (f64::NAN, 0.3), (f64::INFINITY, 0.3), (0.4, f64::NAN)] {
         assert!(solver.solve(&robot, &[], &Pose::translation(x, 0.0, 0.0), u).is_empty());
     }
+    let twisted = Pose::rotation(nalgebra::Vector3::new(f64::NAN, 0.0, 0.0));
+    for redundancy in [0.0, 0.3] {
+        assert!(solver.solve(&robot, &[], &(Pose::translation(0.4, 0.1, 0.3) * twisted), redundancy).is_empty());
+    }
     assert!(solver.follow(&robot, &[], &Pose::translation(f64::NAN, 0.0, 0.0), &[0.1; 6], 9.0).is_none());
     assert!(solver.follow(&robot, &[], &Pose::translation(5.0, 0.0, 0.0), &[0.1; 6], 9.0).is_none());
     let bare = bare("no arm");

@@ -1,2 +1,36 @@
-//! in progress
-fn main() {}
+//! The `mrtamp` program: command line, supervisor and every stage process in one binary.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use launch::{check_command, plan_command, schema_command};
+
+/// Multi-robot task and motion planning: refines a task plan into a plan that every robot executes on its own clock.
+#[derive(Parser)]
+#[command(name = "mrtamp", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Plans a problem.
+    Plan(plan_command::PlanArgs),
+    /// Checks a plan independently of the planner.
+    Check(check_command::CheckArgs),
+    /// Prints the JSON Schema of a file format.
+    Schema(schema_command::SchemaArgs),
+}
+
+fn main() -> ExitCode {
+    let ended = match Cli::parse().command {
+        Command::Plan(args) => plan_command::run(&args),
+        Command::Check(args) => check_command::run(&args),
+        Command::Schema(args) => schema_command::run(&args),
+    };
+    ended.unwrap_or_else(|report| {
+        eprintln!("{report:?}");
+        launch::exit::of_report(&report)
+    })
+}

@@ -1,0 +1,8 @@
+//! What the `mrtamp` program is made of: one module per subcommand, and the running of a set of processes.
+//!
+//! It is a library so that the integration tests can start sets with stages of their own.
+
+pub mod check_command;
+pub mod exit;
+pub mod plan_command;
+pub mod schema_command;

@@ -1,1 +1,77 @@
-//! (in progress)
+//! Third step of the paper (Sec. III-D): roadmaps of single robots, other robots ignored.
+//!
+//! A *piece* knows fixed objects only: a base roadmap (the base drives with the arm folded), or an arm piece at one stand.
+//! A *mode roadmap* glues pieces; poses that are certainly present have removed edges, possible ones annotate them.
+//! Kavraki et al., Probabilistic roadmaps, doi:10.1109/70.508439.
+
+mod arm;
+mod base;
+mod connect;
+mod glue;
+mod graph;
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+use collision::{Geometry, GeometryError};
+use contract::{
+    Answer, Interrupted, Job, JobContext, ModeJob, Outcome, PieceJob, PieceSpec, ProblemStatement, Product, Request,
+    Stage,
+};
+
+/// The roadmap stage.
+pub struct RoadmapStage {
+    geometry: Geometry,
+    seed: u64,
+    /// Blocked or free, by motion: a memo of continuous tests against fixed objects.
+    free: Mutex<BTreeMap<Vec<u8>, bool>>,
+}
+
+impl RoadmapStage {
+    /// The stage for one statement.
+    ///
+    /// # Errors
+    /// When a shape of the problem is degenerate.
+    pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
+        Ok(Self { geometry: Geometry::new(&statement.problem)?, seed: statement.seed, free: Mutex::default() })
+    }
+
+    fn piece(&self, job: &PieceJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        let made = match &job.spec {
+            PieceSpec::Base => base::base_piece(&self.geometry, self.seed, job, context)?,
+            PieceSpec::Arm { .. } => arm::arm_piece(&self.geometry, self.seed, job, context)?,
+        };
+        match made {
+            Ok(piece) => {
+                let product = context.publish(&Product::Piece(piece))?;
+                Ok(Outcome::answer(Answer::Piece(product), context.spent()))
+            }
+            Err(causes) => Ok(Outcome::soft_failure(causes, job.level, context.spent())),
+        }
+    }
+
+    fn mode(&self, job: &ModeJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        match glue::glue(self, job, context)? {
+            Ok(glued) => {
+                let roadmap = context.publish(&Product::Mode(glued.roadmap))?;
+                let (shortest_s, in_the_way) = (glued.shortest_s, glued.in_the_way);
+                Ok(Outcome::answer(Answer::Mode { roadmap, shortest_s, in_the_way }, context.spent()))
+            }
+            Err(causes) => Ok(Outcome::soft_failure(causes, job.level, context.spent())),
+        }
+    }
+}
+
+impl Stage for RoadmapStage {
+    fn refine(&self, job: &Job, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        let robots = self.geometry.problem().robots.len();
+        if job.robot().is_none_or(|robot| robot.index() >= robots) {
+            return Err(Interrupted::Unfit("not a job about a robot of the problem".to_owned()));
+        }
+        match &job.request {
+            Request::Piece(job) => self.piece(job, context),
+            Request::Mode(job) => self.mode(job, context),
+            _ => Err(Interrupted::Unfit("not a job of the roadmap stage".to_owned())),
+        }
+    }
+}

@@ -1,1 +1,117 @@
-//! (in progress)
+//! Second step of the paper (Sec. III-C): grasps and transition configurations.
+//!
+//! For one pair and the poses at its two ends the stage finds alternatives: one grasp, and at each end a stand of the base,
+//! an arm configuration and the hand's short straight ways off. Only the robot itself and fixed objects are obstacles, and
+//! only configurations are tested, no edges: `Request::Blockers` tells afterwards which standing objects are in the way.
+
+mod alternatives;
+mod reach;
+mod stand;
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
+use collision::{Geometry, GeometryError, Motion};
+use contract::{
+    Alternative, Answer, BlockersJob, Interrupted, Job, JobContext, Outcome, ProblemStatement, Request, Stage,
+    TransitionJob,
+};
+use kinematics::ArmSolver;
+use model::{AllowedContacts, Configuration, RobotId};
+
+/// The transition stage.
+pub struct TransitionStage {
+    geometry: Geometry,
+    solvers: Vec<ArmSolver>,
+    seed: u64,
+    found: Mutex<BTreeMap<Vec<u8>, Arc<Found>>>,
+}
+
+/// All alternatives of one pair at one level, or why there are none.
+struct Found {
+    alternatives: Vec<Alternative>,
+    causes: contract::CauseTally,
+    work: u64,
+}
+
+impl TransitionStage {
+    /// The stage for one statement.
+    ///
+    /// # Errors
+    /// When a shape of the problem is degenerate.
+    pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
+        let geometry = Geometry::new(&statement.problem)?;
+        let solvers = statement.problem.robots.iter().map(ArmSolver::for_robot).collect();
+        Ok(Self { geometry, solvers, seed: statement.seed, found: Mutex::default() })
+    }
+
+    fn solver(&self, robot: RobotId) -> &ArmSolver {
+        &self.solvers[robot.index()]
+    }
+
+    fn transition(&self, job: &TransitionJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        if job.pair.index() >= self.geometry.problem().pairs.len() {
+            return Err(Interrupted::Unfit(format!("no pair {}", job.pair.0)));
+        }
+        let found = self.found(job, context)?;
+        let from = (job.first as usize).min(found.alternatives.len());
+        let to = from.saturating_add(job.count as usize).min(found.alternatives.len());
+        if found.alternatives.is_empty() {
+            return Ok(Outcome::soft_failure(found.causes.clone(), job.level, found.work));
+        }
+        Ok(Outcome::answer(Answer::Alternatives(found.alternatives[from..to].to_vec()), found.work))
+    }
+
+    fn found(&self, job: &TransitionJob, context: &mut JobContext<'_>) -> Result<Arc<Found>, Interrupted> {
+        let key = contract::encode_canonical(&(job.pair, job.world_from_pick, job.world_from_place, job.level));
+        if let Some(found) = self.found.lock().ok().and_then(|memo| memo.get(&key).cloned()) {
+            return Ok(found);
+        }
+        let found = Arc::new(self.find(job, context)?);
+        if let Ok(mut memo) = self.found.lock() {
+            memo.insert(key, found.clone());
+        }
+        Ok(found)
+    }
+
+    fn blockers(&self, job: &BlockersJob) -> Outcome {
+        let approach = ways(job.robot, None, &job.reach.approach, |_| AllowedContacts {
+            touch: Some(job.holding.object),
+            support: None,
+        });
+        let lift = ways(job.robot, Some(job.holding), &job.reach.lift, |i| AllowedContacts {
+            touch: None,
+            support: (i < job.reach.lift_up as usize).then_some(job.reach.support),
+        });
+        let motions: Vec<Motion> = approach.into_iter().chain(lift).collect();
+        let blocked = job
+            .standing
+            .iter()
+            .map(|standing| motions.iter().any(|motion| self.geometry.motion_hits(motion, standing).is_some()))
+            .collect();
+        Outcome::answer(Answer::Blocked(blocked), (motions.len() * job.standing.len()) as u64)
+    }
+}
+
+/// Motions along a way of configurations.
+fn ways(
+    robot: RobotId,
+    holding: Option<model::Holding>,
+    way: &[Configuration],
+    allowed: impl Fn(usize) -> AllowedContacts,
+) -> Vec<Motion> {
+    way.windows(2)
+        .enumerate()
+        .map(|(i, step)| Motion { robot, holding, from: step[0].clone(), to: step[1].clone(), allowed: allowed(i) })
+        .collect()
+}
+
+impl Stage for TransitionStage {
+    fn refine(&self, job: &Job, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        match &job.request {
+            Request::Transition(job) => self.transition(job, context),
+            Request::Blockers(job) => Ok(self.blockers(job)),
+            _ => Err(Interrupted::Unfit("not a job of the transition stage".to_owned())),
+        }
+    }
+}

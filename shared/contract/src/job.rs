@@ -4,8 +4,8 @@ use model::{Configuration, Holding, PairId, Pose, RobotId, Standing};
 use serde::{Deserialize, Serialize};
 use skeleton::{ModeId, Occupancy};
 
-use crate::scope::scope_digest;
-use crate::{Assignment, Digest, Literal, ProblemStatement, ProductRef, Reach, StageKind, encode_canonical};
+use crate::scope::Scope;
+use crate::{Assignment, Digest, Literal, ProblemStatement, ProductRef, Reach, StageKind};
 
 /// Identity of a job: equal for equal questions to equal implementations under equal circumstances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -230,15 +230,7 @@ impl Job {
     /// Digest of implementation, seed, the part of the problem that the stage reads, question and budget.
     #[must_use]
     pub fn id(&self, statement: &ProblemStatement) -> JobId {
-        let scope = scope_digest(&statement.problem, &self.request);
-        JobId(Digest::of(
-            "mrtamp job",
-            &[
-                statement.implementation(self.stage()).as_bytes(),
-                &statement.seed.to_le_bytes(),
-                &scope.0,
-                &encode_canonical(self),
-            ],
-        ))
+        let scope = Scope::of(&statement.problem, &self.request).map(|scope| scope.digest(&statement.problem));
+        self.id_in(statement, scope)
     }
 }

@@ -8,6 +8,7 @@ mod assignment;
 mod codec;
 mod direct;
 mod job;
+mod job_ids;
 mod ledger;
 mod outcome;
 mod product;
@@ -27,8 +28,9 @@ pub use job::{
     BlockersJob, ComposeJob, Composition, Job, JobId, ModeJob, Obstruction, PieceJob, PieceSpec, PlacementJob, Request,
     TransitionJob,
 };
+pub use job_ids::JobIds;
 pub use ledger::{Decision, Ledger, LedgerEntry};
-pub use outcome::{Answer, FailureReport, Literal, Nogood, Outcome, Soundness};
+pub use outcome::{Answer, CauseTally, FailureReport, Literal, Nogood, Outcome, Soundness};
 pub use product::{Digest, MemoryProducts, Product, ProductRef, Products};
 pub use random::{RandomStream, halton};
 pub use roadmap::{Edge, EdgeKind, ModeRoadmap, RoadmapPiece, VertexId};

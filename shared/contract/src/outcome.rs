@@ -1,5 +1,7 @@
 //! Outcomes: answers and failures, with their causes.
 
+use std::collections::BTreeMap;
+
 use model::PairId;
 use plan::Cause;
 use serde::{Deserialize, Serialize};
@@ -112,4 +114,44 @@ pub struct Nogood {
     pub soundness: Soundness,
     /// The job that showed it.
     pub proof: JobId,
+}
+
+/// Counts causes.
+#[derive(Clone, Debug, Default)]
+pub struct CauseTally(BTreeMap<Cause, u64>);
+
+impl CauseTally {
+    /// Counts one more.
+    pub fn count(&mut self, cause: Cause) {
+        *self.0.entry(cause).or_insert(0) += 1;
+    }
+
+    /// Adds the counts of a report.
+    pub fn count_all(&mut self, causes: &[(Cause, u64)]) {
+        for (cause, times) in causes {
+            *self.0.entry(cause.clone()).or_insert(0) += times;
+        }
+    }
+
+    /// Most frequent first; equal counts in the causes' own order.
+    #[must_use]
+    pub fn ranked(self) -> Vec<(Cause, u64)> {
+        let mut causes: Vec<(Cause, u64)> = self.0.into_iter().collect();
+        causes.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+        causes
+    }
+}
+
+impl Outcome {
+    /// An answer.
+    #[must_use]
+    pub fn answer(answer: Answer, work: u64) -> Self {
+        Self { result: Ok(answer), work }
+    }
+
+    /// A failure at one level.
+    #[must_use]
+    pub fn soft_failure(causes: CauseTally, level: u32, work: u64) -> Self {
+        Self { result: Err(FailureReport { causes: causes.ranked(), soundness: Soundness::Soft { level } }), work }
+    }
 }

@@ -1,20 +1,55 @@
 //! The part of the problem that each kind of job reads. A change elsewhere leaves the job's identity as it is.
 
-use model::{ObjectId, Problem, RobotId};
+use model::{ObjectId, PairId, Problem, RobotId};
 
 use crate::{Digest, Request, encode_canonical};
 
-pub(crate) fn scope_digest(problem: &Problem, request: &Request) -> Digest {
-    match request {
-        Request::Placement(_) => placement(problem),
-        Request::Transition(job) => {
-            let pair = problem.pair(job.pair);
-            one_robot(problem, pair.robot, Some(pair.object))
+/// Which part of the problem a job reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Scope {
+    /// Objects, regions and pairs.
+    Placement,
+    /// One robot, and the object that it handles.
+    Robot(RobotId, Option<ObjectId>),
+    /// Everything.
+    Whole,
+}
+
+impl Scope {
+    /// What a request reads. `None`: it names a pair, robot or object that the problem does not have.
+    pub(crate) fn of(problem: &Problem, request: &Request) -> Option<Self> {
+        let scope = match request {
+            Request::Placement(_) => Self::Placement,
+            Request::Transition(job) => Self::of_pair(problem, job.pair)?,
+            Request::Blockers(job) => Self::Robot(job.robot, Some(job.holding.object)),
+            Request::Piece(job) => Self::Robot(job.robot, job.holding.map(|holding| holding.object)),
+            // Glued and composite roadmaps meet many objects.
+            Request::Mode(_) | Request::Compose(_) => Self::Whole,
+        };
+        scope.exists_in(problem).then_some(scope)
+    }
+
+    fn of_pair(problem: &Problem, pair: PairId) -> Option<Self> {
+        let pair = problem.pairs.get(pair.index())?;
+        Some(Self::Robot(pair.robot, Some(pair.object)))
+    }
+
+    fn exists_in(self, problem: &Problem) -> bool {
+        match self {
+            Self::Placement | Self::Whole => true,
+            Self::Robot(robot, object) => {
+                robot.index() < problem.robots.len() && object.is_none_or(|object| object.index() < problem.movable.len())
+            }
         }
-        Request::Blockers(job) => one_robot(problem, job.robot, Some(job.holding.object)),
-        Request::Piece(job) => one_robot(problem, job.robot, job.holding.map(|holding| holding.object)),
-        // Glued and composite roadmaps meet many objects.
-        Request::Mode(_) | Request::Compose(_) => whole(problem),
+    }
+
+    /// Digest of what is read; the scope must exist in the problem.
+    pub(crate) fn digest(self, problem: &Problem) -> Digest {
+        match self {
+            Self::Placement => placement(problem),
+            Self::Robot(robot, object) => one_robot(problem, robot, object),
+            Self::Whole => Digest::of("mrtamp scope whole", &[&encode_canonical(problem)]),
+        }
     }
 }
 
@@ -40,8 +75,4 @@ fn one_robot(problem: &Problem, robot: RobotId, object: Option<ObjectId>) -> Dig
             &encode_canonical(&(&problem.pairs, &problem.settings, &problem.levels)),
         ],
     )
-}
-
-fn whole(problem: &Problem) -> Digest {
-    Digest::of("mrtamp scope whole", &[&encode_canonical(problem)])
 }

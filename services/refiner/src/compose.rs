@@ -1,0 +1,146 @@
+//! Composite motion of one set of roadmaps: mode by mode with safe tails, then the composite search.
+
+use contract::{Answer, AskFault, ComposeJob, Composition, Decision, Job, LedgerEntry, ProductRef, Request, StageKind};
+use model::PairId;
+use plan::Cause;
+use skeleton::{Event, Mode, ModeId};
+
+use contract::CompositeMethod;
+
+use crate::candidate::{Blocked, Candidate, Modes};
+use crate::search::{Search, misfit};
+
+/// A mode that could be committed next.
+struct Ready {
+    mode: ModeId,
+    prefix: ProductRef,
+    event_s: f64,
+}
+
+impl Candidate<'_> {
+    /// A plan over the roadmaps, or the pair that should be done in another way.
+    pub(crate) fn compose(&self, search: &mut Search<'_>, modes: &Modes) -> Result<(ProductRef, f64), Blocked> {
+        let prefix = match search.statement.composite {
+            CompositeMethod::Drrt => self.drrt(search, modes, None)?,
+            CompositeMethod::Prioritised => match self.commit_modes(search, modes)? {
+                Committed::All(prefix) => prefix,
+                Committed::Part(prefix, at, causes) => match self.drrt(search, modes, prefix) {
+                    Ok(prefix) => prefix,
+                    Err(Blocked::At(..)) => return Err(Blocked::At(at, causes)),
+                    Err(fault) => return Err(fault),
+                },
+            },
+        };
+        let shortest_s = modes.iter().map(|robot| robot.iter().map(|mode| mode.shortest_s).collect()).collect();
+        let job = self.compose_job(Composition::Assemble { prefix, shortest_s });
+        match search.ask_one(&job)?.result {
+            Ok(Answer::Plan { plan, makespan_s }) => Ok((plan, makespan_s)),
+            Ok(_) => Err(misfit(StageKind::Composite).into()),
+            Err(report) => Err(Blocked::At(PairId(0), report.causes)),
+        }
+    }
+
+    /// Commits the mode whose event comes earliest, again and again, until all are committed or none can be.
+    fn commit_modes(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Committed, AskFault> {
+        let mut next = vec![0_usize; modes.len()];
+        let mut prefix = None;
+        loop {
+            let ready: Vec<Mode> = self.ready_modes(&next);
+            if ready.is_empty() {
+                let left = self.skeleton.modes.iter().zip(&next).find(|(modes, next)| **next < modes.len());
+                return Ok(match (left, prefix) {
+                    (None, Some(prefix)) => Committed::All(prefix),
+                    (left, prefix) => {
+                        let at = left.and_then(|(modes, next)| modes[*next].pair).unwrap_or(PairId(0));
+                        Committed::Part(prefix, at, Vec::new())
+                    }
+                });
+            }
+            let jobs: Vec<Job> = ready.iter().map(|mode| self.commit_job(modes, prefix, mode.id)).collect();
+            let (mut best, mut failure): (Option<Ready>, Option<(PairId, Vec<(Cause, u64)>)>) = (None, None);
+            for (mode, outcome) in ready.iter().zip(search.ask(&jobs)?) {
+                match outcome.result {
+                    Ok(Answer::Committed { prefix, event_s, .. }) => {
+                        if best.as_ref().is_none_or(|best| event_s < best.event_s) {
+                            best = Some(Ready { mode: mode.id, prefix, event_s });
+                        }
+                    }
+                    Ok(_) => return Err(misfit(StageKind::Composite)),
+                    Err(report) => {
+                        let at = mode.pair.or(mode.begins.map(|event| event.pair)).unwrap_or(PairId(0));
+                        failure.get_or_insert((at, report.causes));
+                    }
+                }
+            }
+            match (best, failure) {
+                (Some(best), _) => {
+                    search.commit(LedgerEntry::Decided(Decision::Commit(best.mode)));
+                    next[best.mode.robot.index()] += 1;
+                    prefix = Some(best.prefix);
+                }
+                (None, failure) => {
+                    let (at, causes) = failure.unwrap_or((PairId(0), Vec::new()));
+                    return Ok(Committed::Part(prefix, at, causes));
+                }
+            }
+        }
+    }
+
+    /// Each robot's next mode, if every event that must come before its own is committed.
+    fn ready_modes(&self, next: &[usize]) -> Vec<Mode> {
+        let done = |event: &Event| {
+            let robot = self.problem.pair(event.pair).robot.index();
+            self.skeleton.modes[robot][..next[robot]].iter().any(|mode| mode.ends == Some(*event))
+        };
+        let is_ready = |mode: &Mode| {
+            let Some(own) = mode.ends else { return true };
+            let others = self.skeleton.modes.iter().flatten().filter_map(|mode| mode.ends);
+            others.filter(|event| self.skeleton.graph.precedes(*event, own)).all(|event| done(&event))
+        };
+        self.skeleton
+            .modes
+            .iter()
+            .zip(next)
+            .filter_map(|(modes, next)| modes.get(*next))
+            .filter(|mode| is_ready(mode))
+            .copied()
+            .collect()
+    }
+
+    fn commit_job(&self, modes: &Modes, prefix: Option<ProductRef>, mode: ModeId) -> Job {
+        let of_robot = &modes[mode.robot.index()];
+        let step = mode.step as usize;
+        self.compose_job(Composition::CommitMode {
+            prefix,
+            mode,
+            roadmap: of_robot[step].roadmap,
+            next_roadmap: of_robot.get(step + 1).map(|next| next.roadmap),
+        })
+    }
+
+    fn drrt(&self, search: &mut Search<'_>, modes: &Modes, prefix: Option<ProductRef>) -> Result<ProductRef, Blocked> {
+        search.commit(LedgerEntry::Decided(Decision::Drrt));
+        let roadmaps = modes.iter().map(|robot| robot.iter().map(|mode| mode.roadmap).collect()).collect();
+        let job = self.compose_job(Composition::Drrt { prefix, roadmaps });
+        match search.ask_one(&job)?.result {
+            Ok(Answer::Committed { prefix, .. }) => Ok(prefix),
+            Ok(_) => Err(misfit(StageKind::Composite).into()),
+            Err(report) => {
+                search.backtrack(StageKind::Composite, Decision::Drrt, &report.causes);
+                Err(Blocked::At(PairId(0), report.causes))
+            }
+        }
+    }
+
+    fn compose_job(&self, composition: Composition) -> Job {
+        self.budgets.job(Request::Compose(ComposeJob { assignment: self.assignment(), composition }))
+    }
+}
+
+/// How far mode by mode commitment came.
+enum Committed {
+    /// All modes.
+    All(ProductRef),
+    /// The prefix so far, the pair whose mode could not be committed, and why.
+    Part(Option<ProductRef>, PairId, Vec<(Cause, u64)>),
+}

@@ -1,0 +1,225 @@
+//! Gluing pieces to the reversible roadmap of a mode.
+
+use collision::Motion;
+use contract::{
+    CauseTally, Edge, EdgeKind, Interrupted, JobContext, ModeJob, ModeRoadmap, Obstruction, Product, ProductRef,
+    RoadmapPiece, VertexId,
+};
+use model::{AllowedContacts, Configuration, Robot};
+use plan::{BodyRef, Cause};
+
+use crate::RoadmapStage;
+use crate::base::{NEIGHBOURS, folded};
+use crate::connect::{nearest, straight_edge};
+use crate::graph::{cost_to_go, least_blockers};
+
+/// Neighbours that a stand is connected to.
+const STAND_NEIGHBOURS: usize = 2 * NEIGHBOURS;
+
+pub(crate) struct Glued {
+    pub(crate) roadmap: ModeRoadmap,
+    pub(crate) shortest_s: f64,
+    pub(crate) in_the_way: Vec<u32>,
+}
+
+/// Vertices and edges so far.
+struct Glue<'a> {
+    stage: &'a RoadmapStage,
+    robot: &'a Robot,
+    job: &'a ModeJob,
+    vertices: Vec<Configuration>,
+    edges: Vec<Edge>,
+}
+
+/// The glued roadmap, or why the goal cannot be reached.
+pub(crate) fn glue(
+    stage: &RoadmapStage,
+    job: &ModeJob,
+    context: &mut JobContext<'_>,
+) -> Result<Result<Glued, CauseTally>, Interrupted> {
+    let robot = stage.geometry.problem().robot(job.mode.robot);
+    let mut glue = Glue { stage, robot, job, vertices: Vec::new(), edges: Vec::new() };
+    if let Some(base) = &job.base {
+        let piece = glue.piece(base, context)?;
+        glue.append(piece);
+    }
+    let (start, start_stand) = glue.end(&job.start, job.start_arm.as_ref(), context)?;
+    let (goal, goal_stand) = glue.end(&job.goal, job.goal_arm.as_ref(), context)?;
+    if robot.base.is_some() {
+        glue.connect_stand(start_stand, context)?;
+        glue.connect_stand(goal_stand, context)?;
+    }
+    glue.annotate(context)?;
+    Ok(glue.finish(start, goal, start_stand))
+}
+
+impl Glue<'_> {
+    fn piece(&self, wanted: &ProductRef, context: &JobContext<'_>) -> Result<RoadmapPiece, Interrupted> {
+        let dimensions = self.robot.coordinates.len();
+        match context.product(wanted)? {
+            Product::Piece(piece)
+                if piece.robot == self.job.mode.robot
+                    && piece.holding == self.job.holding
+                    && piece.vertices.iter().all(|q| q.len() == dimensions)
+                    && piece.edges.iter().all(|e| e.a.index().max(e.b.index()) < piece.vertices.len()) =>
+            {
+                Ok(piece)
+            }
+            _ => Err(Interrupted::Unfit(format!("product {:?} is no piece of this robot and load", wanted.digest))),
+        }
+    }
+
+    /// Index of a vertex with exactly this configuration, added if it is new.
+    fn vertex(&mut self, q: &[f64]) -> usize {
+        let known = self.vertices.iter().position(|v| v.as_slice() == q);
+        known.unwrap_or_else(|| {
+            self.vertices.push(q.to_vec());
+            self.vertices.len() - 1
+        })
+    }
+
+    fn append(&mut self, piece: RoadmapPiece) {
+        let places: Vec<usize> = piece.vertices.iter().map(|q| self.vertex(q)).collect();
+        for mut edge in piece.edges {
+            edge.a = VertexId::at(places[edge.a.index()]);
+            edge.b = VertexId::at(places[edge.b.index()]);
+            self.edges.push(edge);
+        }
+    }
+
+    /// One end of the mode: its vertex, and the vertex with the folded arm at its stand.
+    fn end(
+        &mut self,
+        q: &Configuration,
+        arm: Option<&ProductRef>,
+        context: &JobContext<'_>,
+    ) -> Result<(usize, usize), Interrupted> {
+        if q.len() != self.robot.coordinates.len() {
+            return Err(Interrupted::Unfit("configurations of another robot".to_owned()));
+        }
+        let Some(arm) = arm else {
+            let vertex = self.vertex(q);
+            return Ok((vertex, vertex));
+        };
+        let piece = self.piece(arm, context)?;
+        let stand: Configuration =
+            [&q[..self.robot.base_len()], folded(self.robot, self.job.holding.is_some())].concat();
+        if !piece.vertices.contains(q) || !piece.vertices.contains(&stand) {
+            return Err(Interrupted::Unfit("the arm piece does not end where the mode does".to_owned()));
+        }
+        self.append(piece);
+        Ok((self.vertex(q), self.vertex(&stand)))
+    }
+
+    /// Connects a stand to the base roadmap and to the other stand.
+    fn connect_stand(&mut self, stand: usize, context: &mut JobContext<'_>) -> Result<(), Interrupted> {
+        let from = self.vertices[stand].clone();
+        let arm = self.robot.base_len();
+        let drives: Vec<usize> =
+            (0..self.vertices.len()).filter(|v| *v != stand && self.vertices[*v][arm..] == from[arm..]).collect();
+        let candidates: Vec<Configuration> = drives.iter().map(|v| self.vertices[*v].clone()).collect();
+        for neighbour in nearest(self.robot, &candidates, &from, STAND_NEIGHBOURS) {
+            context.spend(1)?;
+            let vertex = drives[neighbour.vertex];
+            let joined = |e: &Edge| [(stand, vertex), (vertex, stand)].contains(&(e.a.index(), e.b.index()));
+            if self.edges.iter().any(joined) {
+                continue;
+            }
+            let allowed = AllowedContacts::default();
+            let motion = self.motion(stand, vertex, allowed);
+            if self.stage.is_free(&motion) {
+                self.edges.push(straight_edge(self.robot, &self.vertices, stand, vertex, EdgeKind::Base, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    fn motion(&self, a: usize, b: usize, allowed: AllowedContacts) -> Motion {
+        let from = self.vertices[a].clone();
+        let to = self.robot.short_way(&from, &self.vertices[b]);
+        Motion { robot: self.job.mode.robot, holding: self.job.holding, from, to, allowed }
+    }
+
+    /// Marks every edge with the standing objects that block it: possible ones by their index, certain ones after them.
+    fn annotate(&mut self, context: &mut JobContext<'_>) -> Result<(), Interrupted> {
+        for i in 0..self.edges.len() {
+            context.spend(1)?;
+            let (a, b, allowed) = (self.edges[i].a.index(), self.edges[i].b.index(), self.edges[i].allowed);
+            let motion = self.motion(a, b, allowed);
+            self.edges[i].blockers = (0_u32..)
+                .zip(self.job.possible.iter().chain(&self.job.certain))
+                .filter(|(_, obstruction)| self.stage.geometry.motion_hits(&motion, &obstruction.standing).is_some())
+                .map(|(index, _)| index)
+                .collect();
+        }
+        Ok(())
+    }
+
+    fn finish(self, start: usize, goal: usize, start_stand: usize) -> Result<Glued, CauseTally> {
+        let certain_from = self.job.possible.len() as u32;
+        let free: Vec<Edge> =
+            self.edges.iter().filter(|edge| edge.blockers.iter().all(|b| *b < certain_from)).cloned().collect();
+        let cost_to_go_s = cost_to_go(self.vertices.len(), &free, goal);
+        let shortest_s = cost_to_go_s[start];
+        if !shortest_s.is_finite() {
+            return Err(self.no_path(start, goal));
+        }
+        let in_the_way = least_blockers(self.vertices.len(), &free, start, goal).unwrap_or_default();
+        let roadmap = ModeRoadmap {
+            mode: self.job.mode,
+            holding: self.job.holding,
+            edges: free,
+            start: VertexId::at(start),
+            goal: VertexId::at(goal),
+            parking: self.parking(start_stand),
+            possible: self.job.possible.iter().map(|obstruction| obstruction.occupancy).collect(),
+            cost_to_go_s,
+            vertices: self.vertices,
+        };
+        Ok(Glued { roadmap, shortest_s, in_the_way: in_the_way.into_iter().collect() })
+    }
+
+    /// The start stand, then where the robot stands now with its arm folded.
+    fn parking(&self, start_stand: usize) -> Vec<VertexId> {
+        let home: Configuration =
+            [&self.robot.start[..self.robot.base_len()], folded(self.robot, self.job.holding.is_some())].concat();
+        let mut parking: Vec<usize> = self.vertices.iter().position(|v| *v == home).into_iter().collect();
+        if !parking.contains(&start_stand) {
+            parking.push(start_stand);
+        }
+        parking.into_iter().map(VertexId::at).collect()
+    }
+
+    fn no_path(&self, start: usize, goal: usize) -> CauseTally {
+        let problem = self.stage.geometry.problem();
+        let all: Vec<&Obstruction> = self.job.possible.iter().chain(&self.job.certain).collect();
+        let name = |index: u32| {
+            let object = all[index as usize].standing.object;
+            BodyRef::Object(problem.movable[object.index()].name.clone())
+        };
+        let blocking = least_blockers(self.vertices.len(), &self.edges, start, goal).unwrap_or_default();
+        let pair = problem.pairs_of_robot(self.job.mode.robot).nth(self.job.mode.step as usize / 2);
+        let mut causes = CauseTally::default();
+        causes.count(Cause::NoPath {
+            pair: pair.map(|pair| problem.pair(pair).name.clone()),
+            robot: self.robot.name.clone(),
+            blocking: blocking.into_iter().map(name).collect(),
+        });
+        causes
+    }
+}
+
+impl RoadmapStage {
+    /// Whether a motion keeps clear of the robot itself and of fixed objects; remembered.
+    fn is_free(&self, motion: &Motion) -> bool {
+        let key = contract::encode_canonical(&(motion.robot, motion.holding, &motion.from, &motion.to, motion.allowed));
+        if let Some(free) = self.free.lock().ok().and_then(|memo| memo.get(&key).copied()) {
+            return free;
+        }
+        let free = self.geometry.motion_contact(motion).is_none();
+        if let Ok(mut memo) = self.free.lock() {
+            memo.insert(key, free);
+        }
+        free
+    }
+}

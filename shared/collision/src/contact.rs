@@ -1,6 +1,7 @@
 //! Which bodies come too close to each other.
 
 use model::{FixedId, LinkId, ObjectId, Problem, RobotId};
+use plan::{BodyRef, Cause};
 use serde::{Deserialize, Serialize};
 
 /// Something that can be touched.
@@ -58,5 +59,30 @@ impl Contact {
     #[must_use]
     pub fn describe(&self, problem: &Problem) -> String {
         format!("{} and {}", self.first.describe(problem), self.second.describe(problem))
+    }
+}
+
+impl BodyName {
+    /// The body by its names in the problem.
+    #[must_use]
+    pub fn in_words_of(&self, problem: &Problem) -> BodyRef {
+        let robot_name = |robot: RobotId| problem.robot(robot).name.clone();
+        let object_name = |object: ObjectId| problem.movable[object.index()].name.clone();
+        match *self {
+            BodyName::Link { robot, link } => {
+                BodyRef::Link { robot: robot_name(robot), link: problem.robot(robot).links[link.index()].name.clone() }
+            }
+            BodyName::Held { robot, object } => BodyRef::Held { robot: robot_name(robot), object: object_name(object) },
+            BodyName::Fixed(fixed) => BodyRef::Fixed(problem.fixed[fixed.index()].name.clone()),
+            BodyName::Object(object) => BodyRef::Object(object_name(object)),
+        }
+    }
+}
+
+impl Contact {
+    /// The contact as a cause of failure.
+    #[must_use]
+    pub fn cause(&self, problem: &Problem) -> Cause {
+        Cause::Collision { first: self.first.in_words_of(problem), second: self.second.in_words_of(problem) }
     }
 }

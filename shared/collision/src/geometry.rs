@@ -1,16 +1,23 @@
-//! Geometry of one problem, built once.
+//! Geometry of one problem, built once, and its questions about states, motions and standing objects.
 
 use std::sync::Arc;
 
-use model::{FixedId, Problem, RobotId};
+use model::{FixedId, ObjectId, Pose, Problem, RobotId};
 
-use crate::{AllowedContacts, Contact, Holding, Motion, Standing, Sweep};
+use crate::continuous::Passage;
+use crate::hull;
+use crate::mover::{Load, Mover};
+use crate::obstacle::Obstacle;
+use crate::robot_shape::RobotShape;
+use crate::separation::{Need, Verdict, judge};
+use crate::solid::{Placed, Solid};
+use crate::{AllowedContacts, BodyName, Contact, Holding, Motion, Standing};
 
 /// Why no geometry could be built.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GeometryError {
-    /// A shape has no volume or a size that is not finite.
-    #[error("{owner}: {reason}")]
+    /// A shape has no points or a size that is not finite.
+    #[error("the shape of {owner} cannot be used: {reason}")]
     Shape {
         /// Whose shape.
         owner: String,
@@ -19,10 +26,20 @@ pub enum GeometryError {
     },
 }
 
+/// A movable object's solid.
+#[derive(Clone, Debug)]
+struct ObjectShape {
+    solid: Arc<Solid>,
+    object_from_solid: Pose,
+}
+
 /// Shapes, bounds and kinematic chains of a problem. Immutable; share it between threads as you like.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Geometry {
     problem: Arc<Problem>,
+    robots: Vec<RobotShape>,
+    objects: Vec<ObjectShape>,
+    fixed: Vec<Obstacle>,
 }
 
 impl Geometry {
@@ -31,7 +48,29 @@ impl Geometry {
     /// # Errors
     /// When a shape is degenerate.
     pub fn new(problem: &Problem) -> Result<Self, GeometryError> {
-        Ok(Self { problem: Arc::new(problem.clone()) })
+        let mut robots = Vec::new();
+        for robot in &problem.robots {
+            robots.push(RobotShape::new(robot).map_err(|(link, reason)| GeometryError::Shape {
+                owner: format!("link `{link}` of `{}`", robot.name),
+                reason,
+            })?);
+        }
+        let bad = |name: &str, reason| GeometryError::Shape { owner: format!("`{name}`"), reason };
+        let mut objects = Vec::new();
+        for object in &problem.movable {
+            let (solid, origin) = Solid::new(&object.body.shape).map_err(|reason| bad(&object.name, reason))?;
+            let object_from_solid = hull::shifted(&object.body.owner_from_shape, &origin);
+            objects.push(ObjectShape { solid: Arc::new(solid), object_from_solid });
+        }
+        let mut fixed = Vec::new();
+        for (i, object) in problem.fixed.iter().enumerate() {
+            for body in &object.bodies {
+                let (solid, origin) = Solid::new(&body.shape).map_err(|reason| bad(&object.name, reason))?;
+                let world_from_solid = object.world_from_object * hull::shifted(&body.owner_from_shape, &origin);
+                fixed.push(Obstacle::new(BodyName::Fixed(FixedId::at(i)), &Arc::new(solid), &world_from_solid));
+            }
+        }
+        Ok(Self { problem: Arc::new(problem.clone()), robots, objects, fixed })
     }
 
     /// The problem it was built from.
@@ -40,78 +79,149 @@ impl Geometry {
         &self.problem
     }
 
-    /// Robot and load against the robot itself and the fixed objects at one configuration.
+    /// Robot and load against the robot itself and the fixed objects at one configuration, the clearance kept.
+    ///
+    /// Links of the end effector may touch the load; so may nothing else. A configuration that is none (wrong length,
+    /// not finite) is answered with the robot touching itself, here and in every question about a robot.
     #[must_use]
     pub fn state_contact(
         &self,
-        _robot: RobotId,
-        _holding: Option<Holding>,
-        _q: &[f64],
-        _allowed: AllowedContacts,
+        robot: RobotId,
+        holding: Option<Holding>,
+        q: &[f64],
+        allowed: AllowedContacts,
     ) -> Option<Contact> {
-        todo!()
+        self.passage_contact(robot, holding, q, q, allowed)
     }
 
-    /// Robot and load against a standing object at one configuration.
+    /// Robot and load against a standing object at one configuration. The held object never hits itself.
     #[must_use]
     pub fn state_hits(
         &self,
-        _robot: RobotId,
-        _holding: Option<Holding>,
-        _q: &[f64],
-        _allowed: AllowedContacts,
-        _standing: &Standing,
+        robot: RobotId,
+        holding: Option<Holding>,
+        q: &[f64],
+        allowed: AllowedContacts,
+        standing: &Standing,
     ) -> Option<Contact> {
-        todo!()
+        self.passage_hits(robot, holding, q, q, allowed, standing)
     }
 
     /// A whole straight motion, in continuous time, against the robot itself and the fixed objects.
+    ///
+    /// `None` is a proof. A contact may be answered for bodies that come as near as 1.25 times the clearance.
     #[must_use]
-    pub fn motion_contact(&self, _motion: &Motion) -> Option<Contact> {
-        todo!()
+    pub fn motion_contact(&self, motion: &Motion) -> Option<Contact> {
+        self.passage_contact(motion.robot, motion.holding, &motion.from, &motion.to, motion.allowed)
     }
 
-    /// A whole straight motion, in continuous time, against a standing object.
+    /// A whole straight motion, in continuous time, against a standing object; see [`Geometry::motion_contact`].
     #[must_use]
-    pub fn motion_hits(&self, _motion: &Motion, _standing: &Standing) -> Option<Contact> {
-        todo!()
+    pub fn motion_hits(&self, motion: &Motion, standing: &Standing) -> Option<Contact> {
+        self.passage_hits(motion.robot, motion.holding, &motion.from, &motion.to, motion.allowed, standing)
     }
 
     /// A standing object against the fixed objects, except the bodies of `support` on whose top it stands.
     #[must_use]
-    pub fn standing_contact(&self, _standing: &Standing, _support: Option<FixedId>) -> Option<Contact> {
-        todo!()
+    pub fn standing_contact(&self, standing: &Standing, support: Option<FixedId>) -> Option<Contact> {
+        let object = self.obstacle(standing);
+        let supports = self.bodies_under(support, &[object.least.z]);
+        let need = Need::still(self.clearance());
+        let touched = self.fixed.iter().enumerate().find(|(k, obstacle)| {
+            !supports.contains(k) && judge(object.posed(), obstacle.posed(), &need, &nalgebra::zero()) != Verdict::Clear
+        });
+        touched.map(|(_, obstacle)| Contact { first: object.name, second: obstacle.name })
     }
 
     /// Whether two standing objects are nearer than the clearance.
     #[must_use]
-    pub fn standings_collide(&self, _a: &Standing, _b: &Standing) -> bool {
-        todo!()
+    pub fn standings_collide(&self, a: &Standing, b: &Standing) -> bool {
+        let need = Need::still(self.clearance());
+        let (a, b) = (self.obstacle(a), self.obstacle(b));
+        judge(a.posed(), b.posed(), &need, &nalgebra::zero()) != Verdict::Clear
     }
 
-    /// Number of equal cells (at least 1) into which a motion must be cut so that no point of the robot or its load
-    /// moves further than `reach_m` (m) from where it is at the cell's middle.
-    #[must_use]
-    pub fn cells(&self, _motion: &Motion, _reach_m: f64) -> u32 {
-        todo!()
+    pub(crate) fn clearance(&self) -> f64 {
+        self.problem.settings.clearance
     }
 
-    /// Conservative swept volume of part `[cell/cells, (cell+1)/cells]` of a motion.
-    #[must_use]
-    pub fn sweep(&self, _motion: &Motion, _cell: u32, _cells: u32) -> Sweep {
-        todo!()
+    pub(crate) fn mover(&self, id: RobotId, holding: Option<Holding>) -> Mover<'_> {
+        let robot = self.problem.robot(id);
+        let mut mover =
+            Mover { id, robot, shape: &self.robots[id.index()], load: None, opening: robot.end_effector.max_opening };
+        if let Some(Holding { object, grasp }) = holding {
+            let grasp = self.problem.movable[object.index()].grasp(id, grasp);
+            let shape = &self.objects[object.index()];
+            let link_from_solid = grasp.link_from_object * shape.object_from_solid;
+            mover.load = Some(Load { object, link_from_solid, solid: &shape.solid });
+            mover.opening = grasp.opening;
+        }
+        mover
     }
 
-    /// Whether two robots could come nearer than the clearance when one is anywhere in one sweep and the other anywhere
-    /// in the other. `false` is a proof.
-    #[must_use]
-    pub fn sweeps_conflict(&self, _a: &Sweep, _b: &Sweep) -> bool {
-        todo!()
+    pub(crate) fn obstacle(&self, standing: &Standing) -> Obstacle {
+        let shape = &self.objects[standing.object.index()];
+        let world_from_solid = standing.world_from_object * shape.object_from_solid;
+        Obstacle::new(BodyName::Object(standing.object), &shape.solid, &world_from_solid)
     }
 
-    /// Whether a robot or its load could come nearer than the clearance to a standing object. `false` is a proof.
-    #[must_use]
-    pub fn sweep_hits(&self, _a: &Sweep, _standing: &Standing) -> bool {
-        todo!()
+    fn passage_contact(
+        &self,
+        robot: RobotId,
+        holding: Option<Holding>,
+        from: &[f64],
+        to: &[f64],
+        allowed: AllowedContacts,
+    ) -> Option<Contact> {
+        let mover = self.mover(robot, holding);
+        let supports = self.supports_of_load(&mover, from, to, allowed.support);
+        let obstacles = &self.fixed;
+        let clearance = self.clearance();
+        Passage { mover, from, to, clearance, obstacles, own: true, touch: None, supports: &supports }.contact()
+    }
+
+    pub(crate) fn passage_hits(
+        &self,
+        robot: RobotId,
+        holding: Option<Holding>,
+        from: &[f64],
+        to: &[f64],
+        allowed: AllowedContacts,
+        standing: &Standing,
+    ) -> Option<Contact> {
+        let mover = self.mover(robot, holding);
+        let obstacles = &[self.obstacle(standing)];
+        let clearance = self.clearance();
+        let touch: Option<ObjectId> = allowed.touch;
+        Passage { mover, from, to, clearance, obstacles, own: false, touch, supports: &[] }.contact()
+    }
+
+    /// Bodies (indices into `fixed`) of the support that the load touches from above at either end of a motion.
+    fn supports_of_load(&self, mover: &Mover<'_>, from: &[f64], to: &[f64], support: Option<FixedId>) -> Vec<usize> {
+        let (Some(load), Some(_)) = (&mover.load, support) else {
+            return Vec::new();
+        };
+        let hand = mover.robot.end_effector.parent_link.index();
+        let bottom = |q: &[f64]| {
+            let world_from_hand = kinematics::link_poses(mover.robot, q, mover.opening)[hand];
+            -load.solid.extent(&Placed::at(&(world_from_hand * load.link_from_solid)), &-nalgebra::Vector3::z())
+        };
+        if from == to {
+            return self.bodies_under(support, &[bottom(from)]);
+        }
+        self.bodies_under(support, &[bottom(from), bottom(to)])
+    }
+
+    /// Bodies of the support that a solid whose lowest point is at one of these heights touches from above: nearer than
+    /// the clearance, and no deeper than the tolerance of standing.
+    fn bodies_under(&self, support: Option<FixedId>, bottoms: &[f64]) -> Vec<usize> {
+        let Some(support) = support else {
+            return Vec::new();
+        };
+        let below = self.problem.settings.support_tolerance;
+        let above = self.clearance().max(below);
+        let carries = |obstacle: &Obstacle| bottoms.iter().any(|bottom| obstacle.carries(*bottom, below, above));
+        let of_support = self.fixed.iter().enumerate().filter(|(_, body)| body.name == BodyName::Fixed(support));
+        of_support.filter(|(_, body)| carries(body)).map(|(k, _)| k).collect()
     }
 }

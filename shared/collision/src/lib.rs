@@ -3,12 +3,22 @@
 //! Units are m and rad. Every answer "no contact" is a proof up to floating-point rounding: over continuous time, with
 //! the clearance of the problem's settings kept. Answers "contact" are conservative by at most a fraction of it.
 
+mod conflict;
 mod contact;
+mod continuous;
 mod geometry;
+mod gjk;
+mod hull;
 mod motion;
+mod mover;
+mod obstacle;
+mod robot_shape;
+mod separation;
+mod solid;
 mod sweep;
 
 pub use contact::{BodyName, Contact};
 pub use geometry::{Geometry, GeometryError};
-pub use motion::{AllowedContacts, Holding, Motion, Standing};
+pub use model::{AllowedContacts, Holding, Standing};
+pub use motion::Motion;
 pub use sweep::Sweep;

@@ -1,0 +1,10 @@
+//! The checker accepts hand-made valid plans, rejects corrupted ones for the right reason, and agrees with dense sampling.
+
+mod delays;
+mod fixture;
+mod mutations;
+mod random;
+mod robots;
+mod scenarios;
+mod size;
+mod valid;

@@ -1,0 +1,165 @@
+//! One mode's glued roadmap as adjacency lists, with a dense number for every motion on it.
+
+use std::borrow::Cow;
+
+use contract::{EdgeKind, Interrupted, ModeRoadmap, Move, VertexId};
+use model::{AllowedContacts, Robot};
+use skeleton::{ModeId, Occupancy};
+
+use super::validity::{RobotEdge, TimedEdge};
+
+/// A way from one vertex to a neighbour.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Arc {
+    pub to: VertexId,
+    /// Index into `ModeRoadmap::edges`.
+    pub edge: u32,
+    pub kind: EdgeKind,
+    /// Least time (s).
+    pub duration_s: f64,
+    /// Occupancies (numbers of the composite roadmap) that block it, ascending.
+    pub blockers: Vec<u32>,
+    /// Number of this motion among all motions of all robots.
+    pub motion: u32,
+}
+
+/// A mode's roadmap, usable both ways.
+#[derive(Clone, Debug)]
+pub(super) struct ModeGraph<'a> {
+    pub roadmap: Cow<'a, ModeRoadmap>,
+    /// `arcs[vertex]`, in order of edges.
+    pub arcs: Vec<Vec<Arc>>,
+    /// What a robot that stands at a vertex may touch: no more than on any edge that ends there.
+    standing: Vec<AllowedContacts>,
+    /// Number of the motion "stand at vertex 0".
+    first_motion: u32,
+}
+
+impl<'a> ModeGraph<'a> {
+    /// Checks a roadmap and numbers its motions from `first_motion` on. `occupancies` is sorted.
+    pub fn new(
+        roadmap: Cow<'a, ModeRoadmap>,
+        robot: &Robot,
+        occupancies: &[Occupancy],
+        first_motion: u32,
+    ) -> Result<Self, Interrupted> {
+        check(&roadmap, robot)?;
+        let number = |possible: &u32| {
+            let occupancy = roadmap.possible.get(*possible as usize)?;
+            occupancies.binary_search(occupancy).ok().and_then(|n| u32::try_from(n).ok())
+        };
+        let mut arcs: Vec<Vec<Arc>> = vec![Vec::new(); roadmap.vertices.len()];
+        let mut motion = first_motion + roadmap.vertices.len() as u32;
+        for (index, edge) in (0_u32..).zip(&roadmap.edges) {
+            let blockers: Option<Vec<u32>> = edge.blockers.iter().map(number).collect();
+            let mut blockers = blockers.ok_or_else(|| unfit(roadmap.mode, "an edge is blocked by no pose of the problem"))?;
+            blockers.sort_unstable();
+            for (from, to) in [(edge.a, edge.b), (edge.b, edge.a)] {
+                let (kind, duration_s, blockers) = (edge.kind, edge.duration_s, blockers.clone());
+                arcs[from.index()].push(Arc { to, edge: index, kind, duration_s, blockers, motion });
+                motion += 1;
+            }
+        }
+        let standing = (0..roadmap.vertices.len()).map(|v| standing_contacts(&roadmap, &arcs[v])).collect();
+        Ok(Self { roadmap, arcs, standing, first_motion })
+    }
+
+    /// Number of motions.
+    pub fn motions(&self) -> u32 {
+        (self.roadmap.vertices.len() + 2 * self.roadmap.edges.len()) as u32
+    }
+
+    /// Number of the motion "stand at `vertex`".
+    pub fn stand(&self, vertex: VertexId) -> u32 {
+        self.first_motion + vertex.0
+    }
+
+    /// Standing at a vertex, as motion.
+    pub fn timed_stand(&self, vertex: VertexId) -> TimedEdge {
+        let at = &self.roadmap.vertices[vertex.index()];
+        let allowed = self.standing[vertex.index()];
+        let kind = self.arcs[vertex.index()].first().map_or(EdgeKind::Base, |arc| arc.kind);
+        TimedEdge {
+            edge: RobotEdge { mode: self.roadmap.mode, edge: None, from: vertex, to: vertex },
+            holding: self.roadmap.holding,
+            travel: Move { from: at.clone(), to: at.clone(), begins_s: 0.0, ends_s: 0.0, kind, allowed },
+        }
+    }
+
+    /// Travelling an arc from `from`, as motion.
+    pub fn timed_arc(&self, robot: &Robot, from: VertexId, arc: &Arc) -> TimedEdge {
+        let begin = &self.roadmap.vertices[from.index()];
+        let end = robot.short_way(begin, &self.roadmap.vertices[arc.to.index()]);
+        let allowed = self.roadmap.edges[arc.edge as usize].allowed;
+        TimedEdge {
+            edge: RobotEdge { mode: self.roadmap.mode, edge: Some(arc.edge), from, to: arc.to },
+            holding: self.roadmap.holding,
+            travel: Move {
+                from: begin.clone(),
+                to: end,
+                begins_s: 0.0,
+                ends_s: arc.duration_s,
+                kind: arc.kind,
+                allowed,
+            },
+        }
+    }
+
+    /// Least times (s) to `goal` along arcs whose cost is finite, over usable vertices.
+    pub fn times_to(&self, goal: VertexId, usable: &[bool], cost: impl Fn(&Arc) -> f64) -> Vec<f64> {
+        let mut times = vec![f64::INFINITY; self.arcs.len()];
+        let mut queue = std::collections::BinaryHeap::new();
+        times[goal.index()] = 0.0;
+        queue.push(super::queue::Entry::new(0.0, goal.0));
+        while let Some(entry) = queue.pop() {
+            let (time, vertex) = (entry.key, entry.item as usize);
+            if time > times[vertex] {
+                continue;
+            }
+            // Every edge is an arc both ways, with equal durations and blockers.
+            for arc in &self.arcs[vertex] {
+                let longer = time + cost(arc);
+                let to = arc.to.index();
+                if usable[to] && longer < times[to] {
+                    times[to] = longer;
+                    queue.push(super::queue::Entry::new(longer, arc.to.0));
+                }
+            }
+        }
+        times
+    }
+}
+
+fn unfit(mode: ModeId, what: &str) -> Interrupted {
+    Interrupted::Unfit(format!("roadmap of mode {} of robot {}: {what}", mode.step, mode.robot.0))
+}
+
+/// Refuses a roadmap that would lead out of range.
+fn check(roadmap: &ModeRoadmap, robot: &Robot) -> Result<(), Interrupted> {
+    let vertices = roadmap.vertices.len();
+    let inside = |vertex: VertexId| vertex.index() < vertices;
+    let dimensions = robot.coordinates.len();
+    if !inside(roadmap.start) || !inside(roadmap.goal) {
+        return Err(unfit(roadmap.mode, "start or goal is no vertex"));
+    }
+    if roadmap.vertices.iter().any(|q| q.len() != dimensions || q.iter().any(|x| !x.is_finite())) {
+        return Err(unfit(roadmap.mode, "a vertex is no configuration of the robot"));
+    }
+    if roadmap.edges.iter().any(|edge| !inside(edge.a) || !inside(edge.b)) {
+        return Err(unfit(roadmap.mode, "an edge ends at no vertex"));
+    }
+    if roadmap.edges.iter().any(|edge| !edge.duration_s.is_finite() || edge.duration_s < 0.0) {
+        return Err(unfit(roadmap.mode, "an edge has no duration"));
+    }
+    Ok(())
+}
+
+/// Standing at a vertex is proven by every edge that ends there, so it needs none of the contacts that one of them lacks.
+fn standing_contacts(roadmap: &ModeRoadmap, arcs: &[Arc]) -> AllowedContacts {
+    let mut every = arcs.iter().map(|arc| roadmap.edges[arc.edge as usize].allowed);
+    let first = every.next().unwrap_or_default();
+    every.fold(first, |so_far, allowed| AllowedContacts {
+        touch: so_far.touch.filter(|_| so_far.touch == allowed.touch),
+        support: so_far.support.filter(|_| so_far.support == allowed.support),
+    })
+}

@@ -1,0 +1,77 @@
+//! Reading committed motion.
+
+use contract::{Commitment, Interrupted, JobContext, Move, Prefix, Product, ProductRef};
+use model::{Holding, Problem};
+
+use crate::Scene;
+
+/// Longest chain of prefixes that is followed.
+const LONGEST_CHAIN: usize = 1 << 16;
+
+/// All commitments of a prefix and its parents, in the order in which they were made.
+///
+/// # Errors
+/// [`Interrupted::Lacking`]; [`Interrupted::Unfit`] if a product is no prefix.
+pub fn load_prefix(context: &mut JobContext<'_>, prefix: Option<ProductRef>) -> Result<Vec<Commitment>, Interrupted> {
+    let mut parts = Vec::new();
+    let mut next = prefix;
+    while let Some(wanted) = next {
+        context.spend(0)?;
+        let Product::Prefix(Prefix { parent, commitments }) = context.product(&wanted)? else {
+            return Err(Interrupted::Unfit("a product that should be a prefix is none".into()));
+        };
+        parts.push(commitments);
+        next = parent;
+        if parts.len() > LONGEST_CHAIN {
+            return Err(Interrupted::Unfit("a prefix with too many parents".into()));
+        }
+    }
+    Ok(parts.into_iter().rev().flatten().collect())
+}
+
+/// Whether commitments can be of this problem: each robot's modes in order, configurations of the right length, moves
+/// without gaps in time or place.
+pub(crate) fn check_commitments(scene: &Scene, commitments: &[Commitment]) -> Result<(), Interrupted> {
+    let problem = scene.problem();
+    let mut next: Vec<(usize, f64, Vec<f64>)> = problem.robots.iter().map(|r| (0, 0.0, r.start.clone())).collect();
+    for commitment in commitments {
+        let robot = commitment.mode.robot.index();
+        let fits = |holding| is_holding_of(problem, robot, holding);
+        let Some((step, ends_s, at)) = next.get_mut(robot) else {
+            return Err(Interrupted::Unfit("a commitment of a robot that is none".into()));
+        };
+        let is_next = commitment.mode.step as usize == *step && *step < scene.skeleton.modes[robot].len();
+        if !is_next || !fits(commitment.holding) || !fits(commitment.tail_holding) {
+            return Err(Interrupted::Unfit(format!("commitment {:?} is not its robot's next mode", commitment.mode)));
+        }
+        let dof = problem.robots[robot].coordinates.len();
+        let (event_s, event_at) = check_moves(&commitment.moves, *ends_s, at, dof)?;
+        if event_s != commitment.event_s {
+            return Err(Interrupted::Unfit("a commitment whose event is not at the end of its moves".into()));
+        }
+        check_moves(&commitment.tail, event_s, &event_at, dof)?;
+        (*step, *ends_s, *at) = (*step + 1, event_s, event_at);
+    }
+    Ok(())
+}
+
+/// Time and configuration at the end of moves that begin at `begins_s` and `at`.
+fn check_moves(moves: &[Move], begins_s: f64, at: &[f64], dof: usize) -> Result<(f64, Vec<f64>), Interrupted> {
+    let (mut time_s, mut at) = (begins_s, at.to_vec());
+    for step in moves {
+        let finite = step.to.iter().all(|x| x.is_finite()) && step.ends_s.is_finite();
+        let follows = step.from == at && step.begins_s == time_s && step.ends_s >= step.begins_s;
+        if !finite || !follows || step.to.len() != dof {
+            return Err(Interrupted::Unfit(format!("a move at {time_s} s does not follow the one before it")));
+        }
+        (time_s, at) = (step.ends_s, step.to.clone());
+    }
+    Ok((time_s, at))
+}
+
+fn is_holding_of(problem: &Problem, robot: usize, holding: Option<Holding>) -> bool {
+    holding.is_none_or(|Holding { object, grasp }| {
+        let grasps = problem.movable.get(object.index()).and_then(|object| object.grasps.get(robot));
+        grasps.is_some_and(|grasps| grasp.index() < grasps.len())
+    })
+}

@@ -3,20 +3,28 @@
 //! Units are m, rad, s, kg; z is up. A transform is called `a_from_b`: it takes coordinates in frame
 //! `b` to coordinates in frame `a`. Nothing here knows how a plan is found.
 
+mod file;
+mod files;
 mod grasp;
+mod grasp_families;
 mod holding;
 mod ids;
 mod problem;
+mod problem_error;
 mod robot;
 mod scene;
 mod settings;
 mod shape;
 mod task;
+mod urdf;
 
+pub use file::{load_problem, problem_schema};
+pub use files::{DiskFiles, EmbeddedFiles, Files, PackageFiles};
 pub use grasp::{Grasp, GraspFamily};
 pub use holding::{AllowedContacts, Holding, Standing};
 pub use ids::{CoordinateId, FixedId, GraspId, JointId, LinkId, ObjectId, PairId, RegionId, RobotId};
 pub use problem::Problem;
+pub use problem_error::{Finding, FindingKind, ProblemError, Span};
 pub use robot::{Coordinate, EndEffector, Joint, JointMotion, JointValue, Link, PlanarBase, Robot};
 pub use scene::{FixedObject, MovableObject, Region};
 pub use settings::{Levels, Settings};

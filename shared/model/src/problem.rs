@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    EndPolicy, FixedObject, GivenOrdering, Levels, MovableObject, ObjectId, Pair, PairId, Region, RobotId, Robot,
+    EndPolicy, FixedObject, GivenOrdering, Levels, MovableObject, ObjectId, Pair, PairId, Region, Robot, RobotId,
     Settings,
 };
 

@@ -40,9 +40,12 @@ impl MovableObject {
     /// Height of the object's origin above its lowest point when it stands upright (m).
     #[must_use]
     pub fn origin_height(&self) -> f64 {
-        let lowest = self.body.shape.support_points().iter().fold(f64::MAX, |least, p| {
-            least.min((self.body.owner_from_shape * p).z)
-        });
+        let lowest = self
+            .body
+            .shape
+            .support_points()
+            .iter()
+            .fold(f64::MAX, |least, p| least.min((self.body.owner_from_shape * p).z));
         self.body.shape.rounding() - lowest
     }
 
@@ -56,7 +59,8 @@ impl MovableObject {
             .iter()
             .flat_map(|p| {
                 let p = self.body.owner_from_shape * p;
-                [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| [p.x + x * rounding, p.y + y * rounding])
+                [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
+                    .map(|(x, y)| [p.x + x * rounding, p.y + y * rounding])
             })
             .collect()
     }

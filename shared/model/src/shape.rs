@@ -49,10 +49,11 @@ impl Shape {
             Shape::Sphere { radius } => symmetric(*radius, *radius, *radius),
             Shape::Cylinder { radius, length } => symmetric(*radius, *radius, length / 2.0),
             Shape::Capsule { radius, length } => symmetric(*radius, *radius, length / 2.0 + radius),
-            Shape::Hull { points } => points.iter().fold(
-                (Point3::from([f64::MAX; 3]), Point3::from([f64::MIN; 3])),
-                |(low, high), p| (low.inf(p), high.sup(p)),
-            ),
+            Shape::Hull { points } => {
+                points.iter().fold((Point3::from([f64::MAX; 3]), Point3::from([f64::MIN; 3])), |(low, high), p| {
+                    (low.inf(p), high.sup(p))
+                })
+            }
         }
     }
 

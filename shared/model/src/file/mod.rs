@@ -1,0 +1,174 @@
+//! The problem file: from YAML to the resolved problem, or to findings that name file, line and remedy.
+
+mod at;
+mod coordinates;
+mod cycle;
+mod grasps;
+mod hops;
+mod nearest;
+mod numbers;
+mod parse;
+mod placing;
+mod robots;
+mod scene;
+mod settings;
+mod start;
+mod surfaces;
+mod syntax;
+mod task;
+mod words;
+
+use crate::problem_error::{FindingKind, Findings, Found, ProblemError, Source, Span};
+use crate::{Files, FixedObject, MovableObject, ObjectId, Problem, Region, Robot, Settings};
+
+pub(crate) use nearest::did_you_mean;
+pub(crate) use numbers::GREATEST;
+pub(crate) use parse::read_text;
+
+use syntax::ProblemFile;
+
+/// Most robots, and most objects and regions of each kind.
+const MAX_ROBOTS: usize = 1_000;
+const MAX_OBJECTS: usize = 10_000;
+/// Most pairs, and most orderings.
+const MAX_PAIRS: usize = 100_000;
+
+/// Reads a problem file and everything that it names.
+///
+/// Poses, limits, names, the hops of objects and the orderings are checked; collisions at the start are not.
+///
+/// # Errors
+/// What is wrong, with file, line and remedy: all findings of the first step that has any.
+pub fn load_problem(files: &dyn Files, path: &str) -> Result<Problem, ProblemError> {
+    let source = parse::read_text(files, path)?;
+    let file = parse::parse(&source)?;
+    check_counts(&source, &file)?;
+    check_names(&source, &file)?;
+    let settings = settings::settings(&source, file.settings.as_ref())?;
+    let levels = settings::levels(&source, file.levels.as_ref())?;
+    let mut scene = scene(files, &source, &file, &settings)?;
+    grasps(&source, &file, &mut scene)?;
+    let nouns = task::Nouns { robots: &scene.robots, movable: &scene.movable, regions: &scene.regions };
+    let mut pairs = task::pairs(&source, &file.task, &nouns, MAX_PAIRS)?;
+    let orderings = task::orderings(&source, &file.orderings, &pairs)?;
+    task::hops(&source, &mut pairs, &nouns, &orderings)?;
+    cycle::refuse_cycle(&source, &file.orderings, &pairs, &orderings)?;
+    supports(&source, &file, &pairs, &mut scene, &settings)?;
+    let stem = path.rsplit('/').next().unwrap_or(path);
+    Ok(Problem {
+        name: file.name.map_or_else(|| stem.split('.').next().unwrap_or(stem).to_owned(), |at| at.value),
+        end_policies: file.robots.iter().map(|robot| robot.end).collect(),
+        robots: scene.robots,
+        fixed: scene.fixed,
+        movable: scene.movable,
+        regions: scene.regions,
+        pairs: pairs.pairs,
+        orderings,
+        settings,
+        levels,
+    })
+}
+
+/// The JSON Schema of problem files.
+#[must_use]
+pub fn problem_schema() -> schemars::Schema {
+    schemars::schema_for!(ProblemFile)
+}
+
+struct Scene {
+    robots: Vec<Robot>,
+    fixed: Vec<FixedObject>,
+    movable: Vec<MovableObject>,
+    regions: Vec<Region>,
+}
+
+fn check_counts(source: &Source, file: &ProblemFile) -> Found<()> {
+    let top = Span { offset: 0, len: 0 };
+    let counts = [
+        ("robots", file.robots.len(), 1, MAX_ROBOTS, file.robots.span),
+        ("fixed", file.fixed.len(), 0, MAX_OBJECTS, top),
+        ("movable", file.movable.len(), 0, MAX_OBJECTS, top),
+        ("regions", file.regions.len(), 0, MAX_OBJECTS, top),
+        ("orderings", file.orderings.len(), 0, MAX_PAIRS, top),
+    ];
+    for (key, count, least, most, span) in counts {
+        if count < least || count > most {
+            return Err(source
+                .finding(span, FindingKind::TooLarge, format!("{count} entries in `{key}`"))
+                .help(format!("give {least} to {most}")));
+        }
+    }
+    Ok(())
+}
+
+fn check_names(source: &Source, file: &ProblemFile) -> Result<(), ProblemError> {
+    let mut findings = Findings::default();
+    let kinds = [
+        numbers::unique_names(source, file.robots.iter().map(|entry| &entry.name), "robot"),
+        numbers::unique_names(source, file.fixed.iter().map(|entry| &entry.name), "fixed object"),
+        numbers::unique_names(source, file.movable.iter().map(|entry| &entry.name), "movable object"),
+        numbers::unique_names(source, file.regions.iter().map(|entry| &entry.name), "region"),
+        file.name.iter().map(|at| numbers::name(source, at, "problem").map(|_| ())).collect(),
+    ];
+    for found in kinds.into_iter().flatten() {
+        findings.keep(found);
+    }
+    findings.end()
+}
+
+fn scene(files: &dyn Files, source: &Source, file: &ProblemFile, settings: &Settings) -> Result<Scene, ProblemError> {
+    let mut findings = Findings::default();
+    let mut scene = Scene { robots: Vec::new(), fixed: Vec::new(), movable: Vec::new(), regions: Vec::new() };
+    for entry in &file.robots.value {
+        scene.robots.extend(findings.keep(robots::robot(files, source, entry)));
+    }
+    for entry in &file.fixed {
+        scene.fixed.extend(findings.keep(scene::fixed(files, source, entry)));
+    }
+    for entry in &file.movable {
+        scene.movable.extend(findings.keep(scene::movable(files, source, entry)));
+    }
+    findings.end()?;
+    for entry in &file.regions {
+        scene.regions.extend(findings.keep(scene::region(source, entry, &scene.fixed, settings.support_tolerance)));
+    }
+    findings.end()?;
+    Ok(scene)
+}
+
+fn grasps(source: &Source, file: &ProblemFile, scene: &mut Scene) -> Result<(), ProblemError> {
+    let mut findings = Findings::default();
+    for (entry, object) in file.movable.iter().zip(&mut scene.movable) {
+        if let Some(grasps) = findings.keep(grasps::grasps(source, entry, object, &scene.robots)) {
+            object.grasps = grasps;
+        }
+    }
+    findings.end()
+}
+
+fn supports(
+    source: &Source,
+    file: &ProblemFile,
+    pairs: &task::Pairs,
+    scene: &mut Scene,
+    settings: &Settings,
+) -> Result<(), ProblemError> {
+    let mut findings = Findings::default();
+    let surfaces = placing::all_surfaces(&scene.fixed);
+    let nouns = task::Nouns { robots: &scene.robots, movable: &scene.movable, regions: &scene.regions };
+    let tolerance = settings.support_tolerance;
+    let mut supports = Vec::with_capacity(scene.movable.len());
+    for (index, (entry, object)) in file.movable.iter().zip(&scene.movable).enumerate() {
+        let by_region = placing::first_hop(source, entry, pairs, &nouns, ObjectId::at(index), tolerance);
+        let support = by_region.and_then(|support| match support {
+            Some(support) => Ok(support),
+            None => placing::support(source, entry, object, &scene.fixed, &surfaces, tolerance),
+        });
+        supports.push(findings.keep(support));
+    }
+    findings.end()?;
+    for (object, support) in scene.movable.iter_mut().zip(supports) {
+        object.start_support = support;
+    }
+    Ok(())
+}

@@ -1,0 +1,157 @@
+//! The task plan: pairs by name, their hops, and given orderings.
+
+use super::at::At;
+use super::hops::number_hops;
+use super::nearest::did_you_mean;
+use super::syntax::{OrderingFile, PairFile};
+use super::words::{PointFile, TaskFile};
+use crate::problem_error::{FindingKind, Findings, Found, Source, Span};
+use crate::{
+    GivenOrdering, MovableObject, ObjectId, Pair, PairId, Point, ProblemError, Region, RegionId, Robot, RobotId,
+};
+
+/// Pairs, robot by robot, with their places in the file.
+pub(crate) struct Pairs {
+    pub pairs: Vec<Pair>,
+    pub spans: Vec<Span>,
+}
+
+/// What pairs name.
+pub(crate) struct Nouns<'a> {
+    pub robots: &'a [Robot],
+    pub movable: &'a [MovableObject],
+    pub regions: &'a [Region],
+}
+
+/// Resolves all pairs; hop numbers are given afterwards.
+pub(crate) fn pairs(
+    source: &Source,
+    file: &At<TaskFile>,
+    nouns: &Nouns<'_>,
+    most: usize,
+) -> Result<Pairs, ProblemError> {
+    let mut findings = Findings::default();
+    let mut by_robot: Vec<Option<&At<Vec<At<PairFile>>>>> = vec![None; nouns.robots.len()];
+    for (name, list) in &file.value.0 {
+        let robot = findings.keep(find(source, name, "robot", nouns.robots.iter().map(|robot| robot.name.as_str())));
+        if let Some(robot) = robot {
+            by_robot[robot] = Some(list);
+        }
+    }
+    let mut pairs = Pairs { pairs: Vec::new(), spans: Vec::new() };
+    for (robot, list) in by_robot.iter().enumerate() {
+        for (number, entry) in list.iter().flat_map(|list| &list.value).enumerate() {
+            if let Some(pair) = findings.keep(pair(source, entry, nouns, RobotId::at(robot), number + 1)) {
+                pairs.pairs.push(pair);
+                pairs.spans.push(entry.span);
+            }
+        }
+    }
+    findings.keep(unique(source, &pairs));
+    findings.end()?;
+    if pairs.pairs.is_empty() || pairs.pairs.len() > most {
+        let message = if pairs.pairs.is_empty() {
+            "the task is empty".to_owned()
+        } else {
+            format!("{} pairs", pairs.pairs.len())
+        };
+        let help = format!("give 1 to {most} pairs, such as `r1: [{{object: m1, from: w1, to: w2}}]`");
+        return Err(source.finding(file.span, FindingKind::BadTask, message).help(help).into());
+    }
+    Ok(pairs)
+}
+
+fn pair(source: &Source, entry: &At<PairFile>, nouns: &Nouns<'_>, robot: RobotId, number: usize) -> Found<Pair> {
+    let object =
+        find(source, &entry.object, "movable object", nouns.movable.iter().map(|object| object.name.as_str()))?;
+    let region = |at| find(source, at, "region", nouns.regions.iter().map(|region| region.name.as_str()));
+    let (from, to) = (region(&entry.from)?, region(&entry.to)?);
+    let name = match &entry.name {
+        Some(at) => super::numbers::name(source, at, "pair")?.to_owned(),
+        None => format!("{}.{number}", nouns.robots[robot.index()].name),
+    };
+    let held = &nouns.movable[object];
+    if held.grasps[robot.index()].is_empty() {
+        let robot = &nouns.robots[robot.index()];
+        let message = format!("`{}` has no grasp for `{}`", robot.name, held.name);
+        return Err(source.finding(entry.object.span, FindingKind::BadTask, message).help(format!(
+            "its hand opens {} m; allow another family or list a grasp",
+            robot.end_effector.max_opening
+        )));
+    }
+    Ok(Pair { name, robot, object: ObjectId::at(object), from: RegionId::at(from), to: RegionId::at(to), hop: 0 })
+}
+
+/// The index of a name.
+fn find<'a>(
+    source: &Source,
+    at: &At<String>,
+    what: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Found<usize> {
+    known.clone().position(|name| name == at.value).ok_or_else(|| {
+        source
+            .finding(at.span, FindingKind::UnknownName, format!("no {what} is called `{}`", at.value.escape_debug()))
+            .help(did_you_mean(at, known))
+    })
+}
+
+fn unique(source: &Source, pairs: &Pairs) -> Found<()> {
+    let mut seen = std::collections::BTreeMap::new();
+    for (pair, span) in pairs.pairs.iter().zip(&pairs.spans) {
+        if let Some(other) = seen.insert(&pair.name, *span) {
+            return Err(source
+                .finding(*span, FindingKind::BadName, format!("two pairs are called `{}`", pair.name))
+                .note(source, other, "the other")
+                .help("give one of them another `name`"));
+        }
+    }
+    Ok(())
+}
+
+/// Resolves given orderings.
+pub(crate) fn orderings(
+    source: &Source,
+    file: &[At<OrderingFile>],
+    pairs: &Pairs,
+) -> Result<Vec<GivenOrdering>, ProblemError> {
+    let mut findings = Findings::default();
+    let mut orderings = Vec::with_capacity(file.len());
+    let index: std::collections::BTreeMap<&str, usize> =
+        pairs.pairs.iter().enumerate().map(|(index, pair)| (pair.name.as_str(), index)).collect();
+    let event = |at: &At<PointFile>| -> Found<(PairId, Point)> {
+        let found = index.get(at.value.pair.as_str()).ok_or_else(|| {
+            source
+                .finding(
+                    at.span,
+                    FindingKind::UnknownName,
+                    format!("no pair is called `{}`", at.value.pair.escape_debug()),
+                )
+                .help(did_you_mean(&at.value.pair, index.keys().copied()))
+        })?;
+        Ok((PairId::at(*found), at.value.point))
+    };
+    for ordering in file {
+        let before = findings.keep(event(&ordering.before));
+        let after = findings.keep(event(&ordering.after));
+        if let (Some(before), Some(after)) = (before, after) {
+            orderings.push(GivenOrdering { before, after });
+        }
+    }
+    findings.end()?;
+    Ok(orderings)
+}
+
+/// Numbers the hops of every object.
+pub(crate) fn hops(
+    source: &Source,
+    pairs: &mut Pairs,
+    nouns: &Nouns<'_>,
+    orderings: &[GivenOrdering],
+) -> Result<(), ProblemError> {
+    let mut findings = Findings::default();
+    for object in 0..nouns.movable.len() {
+        findings.keep(number_hops(source, pairs, nouns, ObjectId::at(object), orderings));
+    }
+    findings.end()
+}

@@ -1,0 +1,87 @@
+//! Meshes, which mean their convex hulls.
+
+use std::io;
+
+use nalgebra::{Point3, Vector3};
+
+use super::hull::{NoHull, extreme_points};
+use crate::files::{folder, join};
+use crate::problem_error::{FindingKind, Found, Source, Span};
+use crate::{Files, Shape};
+
+/// Most points of a hull; every one of them costs time in every distance computation.
+const MAX_HULL_POINTS: usize = 2_000;
+
+/// The hull of a mesh that `owner` names at `span`.
+///
+/// `reference` is a path relative to the owner, or `package://name/path`, sought in the package's known folders, then in
+/// the owner's folder and its ancestors. `scale` multiplies the mesh's coordinates. DAE units and axes are not applied.
+pub(crate) fn load_hull(
+    files: &dyn Files,
+    owner: &Source,
+    span: Span,
+    reference: &str,
+    scale: Vector3<f64>,
+) -> Found<Shape> {
+    let bad = |message: String| owner.finding(span, FindingKind::BadRobot, message);
+    let (path, bytes) = find(files, owner, span, reference)?;
+    let loader = mesh_loader::Loader::default();
+    // Materials are beside the point: their files are not looked for.
+    let no_materials = |_: &std::path::Path| -> io::Result<Vec<u8>> { Ok(Vec::new()) };
+    let scene = loader.load_from_slice_with_reader(&bytes, &path, no_materials).map_err(|error| {
+        bad(format!("mesh {path}: {}", error.to_string().replace("{path:?}", "")))
+            .help("use an STL, OBJ or COLLADA (.dae) file that a viewer can open")
+    })?;
+    let mut points = Vec::new();
+    for vertex in scene.meshes.iter().flat_map(|mesh| &mesh.vertices) {
+        let point = Point3::from(Vector3::from(vertex.map(f64::from)).component_mul(&scale));
+        if !point.iter().all(|x| x.abs() <= crate::file::GREATEST) {
+            return Err(bad(format!("mesh {path} has a vertex at {point}"))
+                .help("coordinates must be finite; if the mesh is in millimetres give a `scale` of 0.001"));
+        }
+        points.push(point);
+    }
+    let hull = extreme_points(&points, MAX_HULL_POINTS).map_err(|no_hull| match no_hull {
+        NoHull::Flat => bad(format!("mesh {path} encloses no volume"))
+            .help("a mesh means its convex hull; a flat one needs a box of some thickness instead"),
+        NoHull::TooMany => bad(format!("the convex hull of mesh {path} has more than {MAX_HULL_POINTS} corners"))
+            .help("simplify the mesh; a collision mesh needs a few hundred corners at most"),
+    })?;
+    Ok(Shape::Hull { points: hull })
+}
+
+/// Reads the first of the places in which a mesh may lie.
+fn find(files: &dyn Files, owner: &Source, span: Span, reference: &str) -> Found<(String, Vec<u8>)> {
+    let mut tried = Vec::new();
+    for path in candidates(files, &owner.path, reference) {
+        match files.read(&path) {
+            Ok(bytes) if bytes.len() <= crate::files::MAX_FILE_BYTES => return Ok((path, bytes)),
+            Ok(bytes) => tried.push(format!("{path}: {}", crate::files::too_large(bytes.len() as u64))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => tried.push(path),
+            Err(error) => tried.push(format!("{path}: {error}")),
+        }
+    }
+    Err(owner
+        .finding(span, FindingKind::Unreadable, format!("no mesh {reference}"))
+        .help(format!("tried: {}", tried.join(", "))))
+}
+
+fn candidates(files: &dyn Files, owner: &str, reference: &str) -> Vec<String> {
+    let reference = reference.trim();
+    let Some(rest) = reference.strip_prefix("package://") else {
+        return vec![join(folder(owner), reference.strip_prefix("file://").unwrap_or(reference))];
+    };
+    let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
+    let mut paths: Vec<String> = files.package_folders(package).iter().map(|folder| join(folder, path)).collect();
+    let mut ancestor = folder(owner);
+    loop {
+        if ancestor.rsplit('/').next() == Some(package) {
+            paths.push(join(ancestor, path));
+        }
+        paths.push(join(ancestor, rest));
+        if ancestor.is_empty() || ancestor == "/" {
+            return paths;
+        }
+        ancestor = folder(ancestor);
+    }
+}

@@ -5,6 +5,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use crate::exit::{self, BadInput};
+use crate::problem_source;
+
 /// Arguments of `mrtamp check`.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
@@ -22,5 +25,25 @@ pub struct CheckArgs {
 /// # Errors
 /// A report for the user.
 pub fn run(args: &CheckArgs) -> miette::Result<ExitCode> {
-    Err(miette::miette!("checking of {} is being built", args.plan.display()))
+    let problem = problem_source::load(Some(&args.problem))?;
+    let bytes = problem_source::read_file(&args.plan)?;
+    let plan = plan::read_plan(&bytes).map_err(|error| {
+        miette::Report::new(BadInput {
+            message: format!("{}: {error}", args.plan.display()),
+            help: Some("`mrtamp schema plan` prints what a plan looks like".to_owned()),
+        })
+    })?;
+    match validation::check_plan(&problem, &plan) {
+        Ok(_) => {
+            println!("accepted: {}", args.plan.display());
+            Ok(ExitCode::from(exit::SOLVED))
+        }
+        Err(violations) => {
+            for violation in &violations {
+                println!("{}: {}", violation.rule.name(), violation.message);
+            }
+            println!("rejected: {}, {} violations", args.plan.display(), violations.len());
+            Ok(ExitCode::from(exit::REJECTED))
+        }
+    }
 }

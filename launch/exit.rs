@@ -36,8 +36,9 @@ impl BadInput {
     }
 }
 
-/// Exit code of a report: bad input if it is [`BadInput`], else a fault.
+/// Exit code of a report: bad input if it is [`BadInput`] or a problem that cannot be loaded, else a fault.
 #[must_use]
 pub fn of_report(report: &miette::Report) -> ExitCode {
-    ExitCode::from(if report.downcast_ref::<BadInput>().is_some() { BAD_INPUT } else { FAULT })
+    let bad = report.is::<BadInput>() || report.is::<model::ProblemError>();
+    ExitCode::from(if bad { BAD_INPUT } else { FAULT })
 }

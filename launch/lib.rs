@@ -3,6 +3,12 @@
 //! It is a library so that the integration tests can start sets with stages of their own.
 
 pub mod check_command;
+pub mod ending;
 pub mod exit;
+pub mod in_process;
 pub mod plan_command;
+pub mod problem_source;
+pub mod progress;
 pub mod schema_command;
+pub mod stages;
+pub mod words;

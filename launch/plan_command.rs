@@ -2,13 +2,19 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use contract::{CompositeMethod, ProblemStatement};
+
+use crate::progress::Progress;
+use crate::{ending, in_process, problem_source};
 
 /// Arguments of `mrtamp plan`.
 #[derive(Args, Debug)]
 pub struct PlanArgs {
-    /// Problem file.
+    /// Problem file, or the name of a built-in scene (default: figure1).
     pub problem: Option<PathBuf>,
     /// Seed of all random values.
     #[arg(long, default_value_t = 0)]
@@ -19,6 +25,9 @@ pub struct PlanArgs {
     /// Plan in this one process, by direct calls.
     #[arg(long)]
     pub in_process: bool,
+    /// How composite motion is searched for.
+    #[arg(long, value_enum, default_value_t)]
+    pub composite: Composite,
     /// Launch file with the set of processes.
     #[arg(long, value_name = "LAUNCH_FILE")]
     pub set: Option<PathBuf>,
@@ -30,10 +39,34 @@ pub struct PlanArgs {
     pub json: bool,
 }
 
+/// How composite motion is searched for.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum Composite {
+    /// Mode by mode with safe tails; the composite search where that fails.
+    #[default]
+    Prioritised,
+    /// The paper's multi-modal dRRT* alone.
+    Drrt,
+}
+
+impl From<Composite> for CompositeMethod {
+    fn from(composite: Composite) -> Self {
+        match composite {
+            Composite::Prioritised => Self::Prioritised,
+            Composite::Drrt => Self::Drrt,
+        }
+    }
+}
+
 /// Plans.
 ///
 /// # Errors
 /// A report for the user.
 pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
-    Err(miette::miette!("planning of {:?} is being built", args.problem))
+    let problem = problem_source::load(args.problem.as_deref())?;
+    let statement = Arc::new(ProblemStatement::new(problem, args.seed, args.composite.into()));
+    let progress = Progress::new(statement.clone(), args.json);
+    let cancelled = Arc::new(AtomicBool::new(false));
+    let run = in_process::run(&statement, &cancelled, &progress)?;
+    ending::conclude(&statement, &run, &args.out, &progress)
 }

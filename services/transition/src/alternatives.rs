@@ -72,12 +72,11 @@ impl TransitionStage {
             world_from_object: end.world_from_object,
             support: problem.regions[end.region.index()].support,
         };
+        // A fixed base has one stand: variety then comes from the arm's redundancy.
+        let most = if robot.base.is_some() { 1 } else { problem.levels.stands as usize };
         let mut reaches = Vec::new();
-        let stands = self.stands(&finder, end, level);
-        for stand in stands {
-            if let Some(reach) = reach_from(&finder, robot, &stand, level, context, causes)? {
-                reaches.push(reach);
-            }
+        for stand in self.stands(&finder, end, level) {
+            reaches.extend(reaches_from(&finder, &stand, (level, most), context, causes)?);
         }
         reaches.sort_by(|a, b| arm_time(robot, a).total_cmp(&arm_time(robot, b)));
         Ok(reaches)
@@ -109,22 +108,23 @@ impl TransitionStage {
     }
 }
 
-/// Quickest arm configuration of the first redundancy value that serves at a stand.
-fn reach_from(
+/// Quickest arm configuration of each redundancy value that serves at a stand, `most` values at the most.
+fn reaches_from(
     finder: &ReachFinder<'_>,
-    robot: &Robot,
     stand: &[f64],
-    level: u32,
+    (level, most): (u32, usize),
     context: &mut JobContext<'_>,
     causes: &mut CauseTally,
-) -> Result<Option<Reach>, Interrupted> {
+) -> Result<Vec<Reach>, Interrupted> {
+    let problem = finder.geometry.problem();
+    let robot = problem.robot(finder.robot);
     let world_from_link = finder.world_from_link();
-    let samples = REDUNDANCY_SAMPLES << level.min(8);
-    for i in 0..samples {
-        if !context.spend(1)? {
+    let mut reaches = Vec::new();
+    for i in 0..REDUNDANCY_SAMPLES << level.min(8) {
+        if reaches.len() == most || !context.spend(1)? {
             break;
         }
-        // Bit-reversed turns: each level refines the one before.
+        // Each level refines the turns of the one before.
         let redundancy = contract::halton(u64::from(i), 2);
         let mut best: Option<Reach> = None;
         for arm in finder.solver.solve(robot, stand, &world_from_link, redundancy) {
@@ -133,14 +133,12 @@ fn reach_from(
                     best = Some(reach);
                 }
                 Ok(_) | Err(Unfit::NotStraight) => {}
-                Err(Unfit::Contact(contact)) => causes.count(contact.cause(finder.geometry.problem())),
+                Err(Unfit::Contact(contact)) => causes.count(contact.cause(problem)),
             }
         }
-        if best.is_some() {
-            return Ok(best);
-        }
+        reaches.extend(best);
     }
-    Ok(None)
+    Ok(reaches)
 }
 
 /// Least time of the arm from its folded configuration to the far end of the straight way (s).

@@ -1,0 +1,62 @@
+//! Where a problem comes from: a file, or one of the scenes built into the program.
+
+use std::path::Path;
+
+use miette::Report;
+use model::{DiskFiles, EmbeddedFiles, Problem, ProblemError, load_problem};
+
+use crate::exit::BadInput;
+
+macro_rules! embedded {
+    ($($path:literal),* $(,)?) => { &[$(($path, include_bytes!($path))),*] };
+}
+
+/// Robots and scenes built into the program.
+static BUILT_IN: EmbeddedFiles = EmbeddedFiles(embedded![
+    "robots/mm10.urdf",
+    "robots/mm10.srdf",
+    "robots/fa7.urdf",
+    "robots/fa7.srdf",
+    "scenes/figure1.yaml",
+    "scenes/figure1_slots.yaml",
+]);
+
+/// The scene that is planned when none is named.
+const DEFAULT_SCENE: &str = "figure1";
+
+/// Loads a problem: `named` is a file, or the name of a built-in scene; by default the paper's Figure 1.
+///
+/// # Errors
+/// A report that names file, line and remedy; its exit code is that of bad input.
+pub fn load(named: Option<&Path>) -> miette::Result<Problem> {
+    let Some(path) = named else {
+        return load_problem(&BUILT_IN, &scene(DEFAULT_SCENE)).map_err(report);
+    };
+    let name = path.to_string_lossy();
+    let built_in = BUILT_IN.0.iter().any(|(file, _)| *file == scene(&name));
+    if built_in && !path.exists() {
+        return load_problem(&BUILT_IN, &scene(&name)).map_err(report);
+    }
+    load_problem(&DiskFiles, &name).map_err(report)
+}
+
+fn scene(name: &str) -> String {
+    format!("scenes/{name}.yaml")
+}
+
+fn report(error: ProblemError) -> Report {
+    Report::new(error)
+}
+
+/// Reads a file that the user names.
+///
+/// # Errors
+/// Bad input.
+pub fn read_file(path: &Path) -> miette::Result<Vec<u8>> {
+    std::fs::read(path).map_err(|error| {
+        Report::new(BadInput {
+            message: format!("{} cannot be read: {error}", path.display()),
+            help: Some("check the path and its permissions".to_owned()),
+        })
+    })
+}

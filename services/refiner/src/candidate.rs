@@ -15,7 +15,7 @@ use crate::search::{Search, Stuck, failed, misfit};
 /// Alternatives asked for each pair.
 const ALTERNATIVES: u32 = 48;
 /// Composite failures of one placement candidate after which it is given up.
-const COMPOSITE_FAILURES: u32 = 6;
+const COMPOSITE_FAILURES: u32 = 8;
 
 /// The choices of one placement candidate.
 pub(crate) struct Candidate<'a> {
@@ -27,6 +27,8 @@ pub(crate) struct Candidate<'a> {
     pub(crate) poses: Vec<Vec<Pose>>,
     /// Alternatives left for each pair; the first is the present choice.
     pub(crate) alternatives: Vec<Vec<Alternative>>,
+    /// How often each pair's alternative was given up.
+    revisions: Vec<u32>,
     placement: &'a PlacementCandidate,
 }
 
@@ -49,7 +51,8 @@ impl<'a> Candidate<'a> {
             })
             .collect();
         let alternatives = vec![Vec::new(); problem.pairs.len()];
-        Self { problem, level, budgets, skeleton, poses, alternatives, placement }
+        let revisions = vec![0; problem.pairs.len()];
+        Self { problem, level, budgets, skeleton, poses, alternatives, revisions, placement }
     }
 
     /// Completes the candidate to a plan.
@@ -63,7 +66,10 @@ impl<'a> Candidate<'a> {
             match self.compose(search, &modes) {
                 Ok(plan) => return Ok(plan),
                 Err(Blocked::Fault(fault)) => return Err(Stuck::Fault(fault)),
-                Err(Blocked::At(pair, causes)) => self.next_alternative(search, pair, causes)?,
+                Err(Blocked::Between(pairs, causes)) => {
+                    let pair = self.least_revised(&pairs).ok_or_else(|| Stuck::Failed(causes.clone()))?;
+                    self.next_alternative(search, pair, causes)?;
+                }
             }
         }
         Err(Stuck::Failed(vec![(Cause::Budget { stage: StageKind::Composite.name().to_owned() }, 1)]))
@@ -94,6 +100,12 @@ impl<'a> Candidate<'a> {
         Ok(())
     }
 
+    /// Of pairs that block one another, the one revised least often so far that has another alternative.
+    fn least_revised(&self, pairs: &[PairId]) -> Option<PairId> {
+        let open = pairs.iter().filter(|pair| self.alternatives[pair.index()].len() > 1);
+        open.min_by_key(|pair| self.revisions[pair.index()]).copied()
+    }
+
     /// Gives up the present alternative of a pair for the next one.
     pub(crate) fn next_alternative(
         &mut self,
@@ -106,6 +118,7 @@ impl<'a> Candidate<'a> {
             return Err(Stuck::Failed(causes));
         }
         let given_up = left.remove(0);
+        self.revisions[pair.index()] += 1;
         search.backtrack(StageKind::Transition, Decision::Alternative { pair, index: given_up.index }, &causes);
         match left.first() {
             Some(next) => {
@@ -148,8 +161,8 @@ impl<'a> Candidate<'a> {
 pub(crate) enum Blocked {
     /// Asking failed.
     Fault(contract::AskFault),
-    /// This pair should be done in another way.
-    At(PairId, Vec<(Cause, u64)>),
+    /// One of these pairs should be done in another way.
+    Between(Vec<PairId>, Vec<(Cause, u64)>),
 }
 
 impl From<contract::AskFault> for Blocked {

@@ -1,11 +1,12 @@
 //! Composite motion of one set of roadmaps: mode by mode with safe tails, then the composite search.
 
-use contract::{Answer, AskFault, ComposeJob, Composition, Decision, Job, LedgerEntry, ProductRef, Request, StageKind};
+use contract::{
+    Answer, AskFault, CauseTally, ComposeJob, CompositeMethod, Composition, Decision, Job, LedgerEntry, ProductRef,
+    Request, StageKind,
+};
 use model::PairId;
 use plan::Cause;
 use skeleton::{Event, Mode, ModeId};
-
-use contract::CompositeMethod;
 
 use crate::candidate::{Blocked, Candidate, Modes};
 use crate::search::{Search, misfit};
@@ -18,15 +19,15 @@ struct Ready {
 }
 
 impl Candidate<'_> {
-    /// A plan over the roadmaps, or the pair that should be done in another way.
+    /// A plan over the roadmaps, or the pairs one of which should be done in another way.
     pub(crate) fn compose(&self, search: &mut Search<'_>, modes: &Modes) -> Result<(ProductRef, f64), Blocked> {
         let prefix = match search.statement.composite {
             CompositeMethod::Drrt => self.drrt(search, modes, None)?,
             CompositeMethod::Prioritised => match self.commit_modes(search, modes)? {
                 Committed::All(prefix) => prefix,
-                Committed::Part(prefix, at, causes) => match self.drrt(search, modes, prefix) {
+                Committed::Part(prefix, between, causes) => match self.drrt(search, modes, prefix) {
                     Ok(prefix) => prefix,
-                    Err(Blocked::At(..)) => return Err(Blocked::At(at, causes)),
+                    Err(Blocked::Between(..)) => return Err(Blocked::Between(between, causes)),
                     Err(fault) => return Err(fault),
                 },
             },
@@ -36,8 +37,12 @@ impl Candidate<'_> {
         match search.ask_one(&job)?.result {
             Ok(Answer::Plan { plan, makespan_s }) => Ok((plan, makespan_s)),
             Ok(_) => Err(misfit(StageKind::Composite).into()),
-            Err(report) => Err(Blocked::At(PairId(0), report.causes)),
+            Err(report) => Err(Blocked::Between(self.all_pairs(), report.causes)),
         }
+    }
+
+    fn all_pairs(&self) -> Vec<PairId> {
+        (0..self.problem.pairs.len()).map(PairId::at).collect()
     }
 
     /// Commits the mode whose event comes earliest, again and again, until all are committed or none can be.
@@ -45,19 +50,14 @@ impl Candidate<'_> {
         let mut next = vec![0_usize; modes.len()];
         let mut prefix = None;
         loop {
-            let ready: Vec<Mode> = self.ready_modes(&next);
-            if ready.is_empty() {
-                let left = self.skeleton.modes.iter().zip(&next).find(|(modes, next)| **next < modes.len());
-                return Ok(match (left, prefix) {
-                    (None, Some(prefix)) => Committed::All(prefix),
-                    (left, prefix) => {
-                        let at = left.and_then(|(modes, next)| modes[*next].pair).unwrap_or(PairId(0));
-                        Committed::Part(prefix, at, Vec::new())
-                    }
-                });
+            let ready = self.ready_modes(&next);
+            let left = self.skeleton.modes.iter().zip(&next).any(|(modes, next)| *next < modes.len());
+            if let (false, Some(prefix)) = (left, prefix) {
+                return Ok(Committed::All(prefix));
             }
             let jobs: Vec<Job> = ready.iter().map(|mode| self.commit_job(modes, prefix, mode.id)).collect();
-            let (mut best, mut failure): (Option<Ready>, Option<(PairId, Vec<(Cause, u64)>)>) = (None, None);
+            let mut best: Option<Ready> = None;
+            let (mut between, mut causes) = (Vec::new(), CauseTally::default());
             for (mode, outcome) in ready.iter().zip(search.ask(&jobs)?) {
                 match outcome.result {
                     Ok(Answer::Committed { prefix, event_s, .. }) => {
@@ -67,23 +67,30 @@ impl Candidate<'_> {
                     }
                     Ok(_) => return Err(misfit(StageKind::Composite)),
                     Err(report) => {
-                        let at = mode.pair.or(mode.begins.map(|event| event.pair)).unwrap_or(PairId(0));
-                        failure.get_or_insert((at, report.causes));
+                        between.extend(mode.pair.or(mode.begins.map(|event| event.pair)));
+                        between.extend(self.pairs_at_fault(&report.causes, &next));
+                        causes.count_all(&report.causes);
                     }
                 }
             }
-            match (best, failure) {
-                (Some(best), _) => {
-                    search.commit(LedgerEntry::Decided(Decision::Commit(best.mode)));
-                    next[best.mode.robot.index()] += 1;
-                    prefix = Some(best.prefix);
-                }
-                (None, failure) => {
-                    let (at, causes) = failure.unwrap_or((PairId(0), Vec::new()));
-                    return Ok(Committed::Part(prefix, at, causes));
-                }
-            }
+            let Some(best) = best else { return Ok(Committed::Part(prefix, between, causes.ranked())) };
+            search.commit(LedgerEntry::Decided(Decision::Commit(best.mode)));
+            next[best.mode.robot.index()] += 1;
+            prefix = Some(best.prefix);
         }
+    }
+
+    /// Pairs that the robots named in causes are at.
+    fn pairs_at_fault(&self, causes: &[(Cause, u64)], next: &[usize]) -> Vec<PairId> {
+        let named = |name: &String| {
+            causes.iter().any(|(cause, _)| matches!(cause, Cause::Deadlock { robots } if robots.contains(name)))
+        };
+        let at = |(robot, modes): (usize, &Vec<Mode>)| {
+            let mode = modes.get(next[robot]).or(modes.last())?;
+            mode.pair.or(mode.begins.map(|event| event.pair))
+        };
+        let robots = self.skeleton.modes.iter().enumerate();
+        robots.filter(|(robot, _)| named(&self.problem.robots[*robot].name)).filter_map(at).collect()
     }
 
     /// Each robot's next mode, if every event that must come before its own is committed.
@@ -127,7 +134,7 @@ impl Candidate<'_> {
             Ok(_) => Err(misfit(StageKind::Composite).into()),
             Err(report) => {
                 search.backtrack(StageKind::Composite, Decision::Drrt, &report.causes);
-                Err(Blocked::At(PairId(0), report.causes))
+                Err(Blocked::Between(self.all_pairs(), report.causes))
             }
         }
     }
@@ -141,6 +148,6 @@ impl Candidate<'_> {
 enum Committed {
     /// All modes.
     All(ProductRef),
-    /// The prefix so far, the pair whose mode could not be committed, and why.
-    Part(Option<ProductRef>, PairId, Vec<(Cause, u64)>),
+    /// The prefix so far, the pairs whose modes could not be committed, and why.
+    Part(Option<ProductRef>, Vec<PairId>, Vec<(Cause, u64)>),
 }

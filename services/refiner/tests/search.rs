@@ -1,0 +1,268 @@
+//! The search against scripted stages that count what they are asked: no geometry, no bus.
+
+use std::collections::BTreeMap;
+
+use contract::{
+    Alternative, Answer, AskFault, AskStages, CauseTally, CompositeMethod, Composition, Decision, Digest,
+    FailureReport, Foresight, Job, JobId, Ledger, LedgerEntry, Outcome, Placed, PlacementCandidate, ProblemStatement,
+    ProductRef, Reach, Request, Soundness,
+};
+use model::{DiskFiles, FixedId, GraspId, PairId, Problem, load_problem};
+use plan::{Cause, ResultKind};
+use refiner::{End, Refinement, refine_plan};
+use skeleton::ModeId;
+
+/// Two robots hand one object on.
+fn relay() -> ProblemStatement {
+    let path = format!("{}/../../launch/scenes/t03_relay.yaml", env!("CARGO_MANIFEST_DIR"));
+    let mut problem = load_problem(&DiskFiles, &path).unwrap();
+    problem.levels.highest = 1;
+    ProblemStatement::new(problem, 5, CompositeMethod::Prioritised)
+}
+
+type Rule = Box<dyn Fn(&Request) -> Option<Outcome>>;
+
+/// Answers everything with success, unless a rule says otherwise; remembers what it was asked.
+struct Scripted<'a> {
+    statement: &'a ProblemStatement,
+    rules: Vec<Rule>,
+    asked: Vec<Job>,
+    /// Asking ends with a time limit after so many jobs.
+    patience: usize,
+    commits: u64,
+}
+
+impl<'a> Scripted<'a> {
+    fn new(statement: &'a ProblemStatement, rules: Vec<Rule>) -> Self {
+        Self { statement, rules, asked: Vec::new(), patience: usize::MAX, commits: 0 }
+    }
+
+    fn run(&mut self) -> Refinement {
+        refine_plan(self.statement, self, &mut |_| ())
+    }
+
+    fn count(&self, which: impl Fn(&Request) -> bool) -> usize {
+        self.asked.iter().filter(|job| which(&job.request)).count()
+    }
+
+    fn answer(&mut self, job: &Job) -> Outcome {
+        let made =
+            ProductRef { digest: Digest::of("test", &[&contract::encode_canonical(job)]), made_by: self.job_id(job) };
+        let problem = &self.statement.problem;
+        let answer = match &job.request {
+            Request::Placement(job) => {
+                Answer::Placements((job.first..job.first + job.count).map(|index| candidate(problem, index)).collect())
+            }
+            Request::Transition(job) => {
+                Answer::Alternatives((0..3).map(|i| alternative(problem, job.pair, i)).collect())
+            }
+            Request::Blockers(job) => Answer::Blocked(vec![false; job.standing.len()]),
+            Request::Piece(_) => Answer::Piece(made),
+            Request::Mode(_) => Answer::Mode { roadmap: made, shortest_s: 1.0, in_the_way: Vec::new() },
+            Request::Compose(job) => match job.composition {
+                Composition::Assemble { .. } => Answer::Plan { plan: made, makespan_s: 9.0 },
+                _ => {
+                    self.commits += 1;
+                    Answer::Committed { prefix: made, event_s: self.commits as f64, tail_s: 0.0 }
+                }
+            },
+        };
+        Outcome::answer(answer, 1)
+    }
+}
+
+impl AskStages for Scripted<'_> {
+    fn ask(&mut self, jobs: &[Job]) -> Result<Vec<Outcome>, AskFault> {
+        let mut outcomes = Vec::new();
+        for job in jobs {
+            if self.asked.len() == self.patience {
+                return Err(AskFault::TimeLimit);
+            }
+            self.asked.push(job.clone());
+            let ruled = self.rules.iter().find_map(|rule| rule(&job.request));
+            outcomes.push(ruled.unwrap_or_else(|| self.answer(job)));
+        }
+        Ok(outcomes)
+    }
+
+    fn foresee(&mut self, _: Foresight) {}
+
+    fn job_id(&self, job: &Job) -> JobId {
+        job.id(self.statement)
+    }
+}
+
+fn candidate(problem: &Problem, index: u32) -> PlacementCandidate {
+    let placements = (0..problem.pairs.len())
+        .map(|i| Placed { pair: PairId::at(i), sample: index, world_from_object: problem.movable[0].world_from_start })
+        .collect();
+    PlacementCandidate { index, placements, orders: Vec::new() }
+}
+
+/// The grasp tells the alternatives apart.
+fn alternative(problem: &Problem, pair: PairId, index: u32) -> Alternative {
+    let q = problem.robot(problem.pair(pair).robot).start.clone();
+    let reach = Reach {
+        stand: q[..problem.robot(problem.pair(pair).robot).base_len()].to_vec(),
+        at_object: q.clone(),
+        approach: vec![q.clone()],
+        lift: vec![q],
+        lift_up: 0,
+        support: FixedId(0),
+    };
+    Alternative { index, grasp: GraspId(index), pick: reach.clone(), place: reach }
+}
+
+fn fails(cause: Cause, soundness: Soundness) -> Outcome {
+    Outcome { result: Err(FailureReport { causes: vec![(cause, 1)], soundness }), work: 1 }
+}
+
+fn no_path(pair: &str) -> Cause {
+    Cause::NoPath { pair: Some(pair.to_owned()), robot: "r".to_owned(), blocking: Vec::new() }
+}
+
+fn decisions(ledger: &Ledger) -> Vec<Decision> {
+    let decided = |entry: &LedgerEntry| match entry {
+        LedgerEntry::Decided(decision) => Some(decision.clone()),
+        _ => None,
+    };
+    ledger.entries.iter().filter_map(decided).collect()
+}
+
+fn transfer_fails_with(robot: u32, grasps: std::ops::Range<u32>) -> Rule {
+    Box::new(move |request| match request {
+        Request::Mode(job) if job.mode.robot.0 == robot && job.holding.is_some_and(|h| grasps.contains(&h.grasp.0)) => {
+            Some(fails(no_path("x"), Soundness::Soft { level: 0 }))
+        }
+        _ => None,
+    })
+}
+
+#[test]
+fn a_relay_is_committed_in_an_order_that_respects_the_hops() {
+    let statement = relay();
+    let mut stages = Scripted::new(&statement, Vec::new());
+    let run = stages.run();
+    assert!(matches!(run.end, End::Solved { .. }));
+    let commits: Vec<ModeId> = decisions(&run.ledger)
+        .into_iter()
+        .filter_map(|decision| match decision {
+            Decision::Commit(mode) => Some(mode),
+            _ => None,
+        })
+        .collect();
+    let at = |robot: usize, step: u32| commits.iter().position(|m| m.robot.index() == robot && m.step == step).unwrap();
+    let (first, second) = (statement.problem.pairs[0].robot.index(), statement.problem.pairs[1].robot.index());
+    let hop_one_first = statement.problem.pairs[0].hop == 1;
+    let (giver, taker) = if hop_one_first { (first, second) } else { (second, first) };
+    assert!(at(giver, 1) < at(taker, 0), "the object is placed before it is picked: {commits:?}");
+    assert_eq!(commits.len(), 6);
+}
+
+#[test]
+fn a_mode_without_a_way_revises_the_alternative_of_its_pair_and_no_other() {
+    let statement = relay();
+    let mut stages = Scripted::new(&statement, vec![transfer_fails_with(0, 0..2)]);
+    let run = stages.run();
+    assert!(matches!(run.end, End::Solved { .. }));
+    let revised: Vec<Decision> = decisions(&run.ledger)
+        .into_iter()
+        .filter(|decision| matches!(decision, Decision::Alternative { .. }))
+        .collect();
+    let pair = PairId::at(statement.problem.pairs.iter().position(|pair| pair.robot.0 == 0).unwrap());
+    assert_eq!(revised, [1, 2].map(|index| Decision::Alternative { pair, index }));
+    assert_eq!(stages.count(|request| matches!(request, Request::Placement(_))), 1);
+    assert_eq!(stages.count(|request| matches!(request, Request::Transition(_))), 2);
+}
+
+#[test]
+fn when_no_alternative_is_left_the_next_placement_is_tried_and_later_stages_wait() {
+    let statement = relay();
+    let rule: Rule = Box::new(|request| match request {
+        Request::Transition(_) => Some(fails(Cause::NoCommonGrasp { pair: "p".into() }, Soundness::Soft { level: 0 })),
+        _ => None,
+    });
+    let mut stages = Scripted::new(&statement, vec![rule]);
+    let run = stages.run();
+    let End::Failed { result, causes } = run.end else { panic!("solved without a grasp") };
+    assert_eq!(result, ResultKind::SamplesExhausted);
+    assert_eq!(causes[0].0, Cause::NoCommonGrasp { pair: "p".into() });
+    let levels = decisions(&run.ledger).into_iter().filter(|d| matches!(d, Decision::Level(_))).count();
+    assert_eq!(levels, 2);
+    let placements = stages.count(|request| matches!(request, Request::Placement(_)));
+    assert!(placements > levels, "{placements}");
+    assert_eq!(
+        stages.count(|request| matches!(request, Request::Piece(_) | Request::Mode(_) | Request::Compose(_))),
+        0
+    );
+}
+
+#[test]
+fn a_hard_failure_of_placement_ends_the_search_at_once() {
+    let statement = relay();
+    let cause = Cause::NoPlacement { object: "o".into(), region: "w".into() };
+    let hard = fails(cause.clone(), Soundness::Hard);
+    let rule: Rule = Box::new(move |request| matches!(request, Request::Placement(_)).then(|| hard.clone()));
+    let mut stages = Scripted::new(&statement, vec![rule]);
+    let run = stages.run();
+    assert_eq!(stages.asked.len(), 1);
+    assert_eq!(run.end, End::Failed { result: ResultKind::SamplesExhausted, causes: vec![(cause, 1)] });
+}
+
+#[test]
+fn where_no_mode_can_be_committed_the_composite_search_is_asked_and_then_an_alternative_revised() {
+    let statement = relay();
+    let blocked = |request: &Request, with_drrt: bool| match request {
+        Request::Compose(job) if job.assignment.grasps.iter().any(|grasp| grasp.0 == 0) => match job.composition {
+            Composition::CommitMode { mode, .. } => mode.step == 1,
+            Composition::Drrt { .. } => with_drrt,
+            Composition::Assemble { .. } => false,
+        },
+        _ => false,
+    };
+    let deadlock = || fails(Cause::Deadlock { robots: vec!["r1".into(), "r2".into()] }, Soundness::Soft { level: 0 });
+    let helped = move |request: &Request| blocked(request, false).then(deadlock);
+    let mut stages = Scripted::new(&statement, vec![Box::new(helped)]);
+    let run = stages.run();
+    assert!(matches!(run.end, End::Solved { .. }));
+    assert_eq!(decisions(&run.ledger).last(), Some(&Decision::Drrt));
+    let unhelped = move |request: &Request| blocked(request, true).then(deadlock);
+    let mut stages = Scripted::new(&statement, vec![Box::new(unhelped)]);
+    let run = stages.run();
+    assert!(matches!(run.end, End::Solved { .. }), "{:?}", run.end);
+    assert!(decisions(&run.ledger).iter().any(|d| matches!(d, Decision::Alternative { index: 1, .. })));
+}
+
+#[test]
+fn a_run_that_is_cut_short_leaves_a_prefix_of_the_whole_ledger() {
+    let statement = relay();
+    let rules = || vec![transfer_fails_with(0, 0..2), transfer_fails_with(1, 0..1)];
+    let mut stages = Scripted::new(&statement, rules());
+    let whole = stages.run();
+    let jobs = stages.asked.len();
+    assert!(jobs > 30);
+    for patience in 0..jobs {
+        let mut stages = Scripted::new(&statement, rules());
+        stages.patience = patience;
+        let cut = stages.run();
+        assert!(matches!(cut.end, End::Failed { result: ResultKind::LimitReached, .. }));
+        assert_eq!(cut.ledger.entries[..], whole.ledger.entries[..cut.ledger.entries.len()]);
+    }
+}
+
+#[test]
+fn counts_of_stages_count_each_job_once() {
+    let statement = relay();
+    let mut stages = Scripted::new(&statement, vec![transfer_fails_with(0, 0..2)]);
+    let run = stages.run();
+    let mut distinct: BTreeMap<String, std::collections::BTreeSet<JobId>> = BTreeMap::new();
+    for job in &stages.asked {
+        distinct.entry(job.stage().name().to_owned()).or_default().insert(job.id(&statement));
+    }
+    for count in &run.stages {
+        assert_eq!(count.jobs, distinct[&count.stage].len() as u64, "{}", count.stage);
+    }
+    let mut tally = CauseTally::default();
+    tally.count(no_path("x"));
+    assert_eq!(tally.ranked(), [(no_path("x"), 1)]);
+}

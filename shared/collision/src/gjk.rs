@@ -15,6 +15,7 @@ const FARTHEST: f64 = 1e9;
 const SHORTEST: f64 = 1e-7;
 
 /// What GJK found for two cores.
+#[derive(Debug)]
 pub(crate) enum Closest {
     /// They intersect, or their poses are no numbers.
     Meeting,

@@ -1,5 +1,7 @@
 //! Objects in the hand and contacts that are allowed.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod common;
 
 use collision::{AllowedContacts, BodyName, Contact, Geometry, Holding, Motion, Standing};

@@ -30,6 +30,22 @@ fn a_sphere_beside_a_box_is_clear_from_exactly_the_clearance_on() {
 }
 
 #[test]
+fn spheres_keep_the_difference_of_centres_and_radii() {
+    let ball = |radius| movable("ball", Shape::Sphere { radius }, 1, Pose::identity());
+    let geometry = Geometry::new(&problem(vec![box_base("r")], vec![], vec![ball(0.1), ball(0.03)])).unwrap();
+    for seed in 0..200 {
+        let mut random = Random(seed);
+        let (center, direction) = (random.pose(5.0), random.pose(1.0).translation.vector.normalize());
+        let a = Standing { object: ObjectId(0), world_from_object: center };
+        for (gap, expected) in [(0.002_000_1, false), (0.001_999_9, true), (0.0, true), (-0.13, true)] {
+            let away = Translation3::from(direction * (0.13 + gap));
+            let b = Standing { object: ObjectId(1), world_from_object: away * center };
+            assert_eq!(geometry.standings_collide(&a, &b), expected, "seed {seed}, gap {gap}");
+        }
+    }
+}
+
+#[test]
 fn states_agree_with_parry_on_every_pair() {
     let problem = mobile_problem();
     let geometry = Geometry::new(&problem).unwrap();

@@ -18,7 +18,7 @@ fn of_shape(shape: &Shape) -> Vec<Point3<f64>> {
     };
     let rim = |i: u32| {
         let bearing = f64::from(i / 2) * 0.7;
-        let side = if i % 2 == 0 { 0.5 } else { -0.5 };
+        let side = if i.is_multiple_of(2) { 0.5 } else { -0.5 };
         Point3::new(radius * bearing.cos(), radius * bearing.sin(), length * side)
     };
     (0..18).map(rim).collect()

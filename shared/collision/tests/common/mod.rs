@@ -1,5 +1,6 @@
 //! Robots and scenes built in place, and an oracle that asks parry for the distance of every pair of bodies.
 #![allow(dead_code, unused_imports, reason = "every test file uses its own part")]
+#![allow(clippy::unwrap_used, reason = "its input is its own")]
 
 mod oracle;
 mod robots;

@@ -3,7 +3,7 @@
 use collision::{BodyName, Holding, Standing};
 use model::{FixedId, LinkId, Pose, Problem, RobotId, Shape};
 use parry3d_f64::math::{Pose as ParryPose, Vector};
-use parry3d_f64::query;
+use parry3d_f64::query::{self, ClosestPoints};
 use parry3d_f64::shape::SharedShape;
 
 /// One convex body in the world.
@@ -39,9 +39,16 @@ impl Piece {
     }
 
     /// Distance (m), 0 when they meet.
+    ///
+    /// From closest points: parry 0.31.1's `distance` of two cuboids projects twice and stops, and has been seen to
+    /// answer 18 mm for 1.6 mm, depending on which is asked first.
     pub fn distance(&self, other: &Piece) -> f64 {
         let (a, b) = (ParryPose::from(self.pose), ParryPose::from(other.pose));
-        query::distance(&a, &*self.shape.0, &b, &*other.shape.0).unwrap().distance
+        match query::closest_points(&a, &*self.shape.0, &b, &*other.shape.0, 1e6).unwrap() {
+            ClosestPoints::Intersecting => 0.0,
+            ClosestPoints::WithinMargin(p, q) => (q - p).length(),
+            ClosestPoints::Disjoint => f64::MAX,
+        }
     }
 }
 

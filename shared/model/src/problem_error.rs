@@ -91,9 +91,28 @@ impl Source {
             kind,
             message: message.into(),
             help: None,
-            labels: vec![LabeledSpan::new_with_span(None, self.clip(span))],
+            labels: vec![LabeledSpan::new_with_span(None, self.clip(self.widen(span)))],
             source: Some(NamedSource::new(&self.path, Arc::clone(&self.text))),
         })
+    }
+
+    /// A place that is only the start of something: up to the closing bracket, or else the rest of the line.
+    fn widen(&self, span: Span) -> Span {
+        let rest = self.text.get(span.offset..).unwrap_or_default();
+        let line = rest.lines().next().unwrap_or_default();
+        if span.len == 1 && line.starts_with(['[', '{']) {
+            let mut depth = 0_usize;
+            let closed = line.char_indices().find(|(_, c)| {
+                match c {
+                    '[' | '{' => depth += 1,
+                    ']' | '}' => depth -= 1,
+                    _ => {}
+                }
+                depth == 0
+            });
+            return Span { offset: span.offset, len: closed.map_or(1, |(end, _)| end + 1) };
+        }
+        if span.len == 0 { Span { offset: span.offset, len: line.trim_end().len() } } else { span }
     }
 
     /// Keeps a span inside the text and on character borders.
@@ -125,7 +144,7 @@ impl Finding {
 
     /// Adds a remark at a second place of the same file.
     pub(crate) fn note(mut self: Box<Self>, source: &Source, span: Span, text: impl Into<String>) -> Box<Self> {
-        self.labels.push(LabeledSpan::new_with_span(Some(text.into()), source.clip(span)));
+        self.labels.push(LabeledSpan::new_with_span(Some(text.into()), source.clip(source.widen(span))));
         self
     }
 

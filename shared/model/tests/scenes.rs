@@ -1,10 +1,10 @@
 //! The scenes that come with the program.
 
-use model::{DiskFiles, Problem, load_problem};
+use model::{DiskFiles, FixedId, ObjectId, Problem, load_problem};
 
-fn scene(name: &str) -> Problem {
+fn scene(name: &str) -> miette::Result<Problem> {
     let path = format!("{}/../../launch/scenes/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
-    load_problem(&DiskFiles, &path).unwrap_or_else(|error| panic!("{:?}", miette::Report::new(error)))
+    Ok(load_problem(&DiskFiles, &path)?)
 }
 
 #[test]
@@ -17,7 +17,44 @@ fn every_scene_loads() {
         .collect();
     names.sort();
     for name in &names {
-        assert_eq!(&scene(name).name, name);
+        assert_eq!(&scene(name).unwrap().name, name);
     }
     assert!(names.len() >= 8, "{names:?}");
+}
+
+#[test]
+fn figure_1_has_three_robots_four_objects_with_two_hops_each_and_sixteen_modes() {
+    let problem = scene("figure1").unwrap();
+    assert_eq!(problem.robots.len(), 3);
+    assert_eq!(problem.pairs.len() * 2, 16);
+    for object in (0..4).map(ObjectId::at) {
+        let hops = problem.hops_of_object(object);
+        let way: Vec<&str> = hops
+            .iter()
+            .flat_map(|pair| [problem.pair(*pair).from, problem.pair(*pair).to])
+            .map(|region| problem.regions[region.index()].name.as_str())
+            .collect();
+        assert_eq!(way[1..], ["w3", "w3", "w4"]);
+        assert_eq!(problem.pair(hops[0]).robot.index(), 0, "r1 carries every object first");
+    }
+    assert_eq!(problem.pairs[0].name, "r1.1");
+    assert_eq!(problem.settings.grip_time, 0.0);
+}
+
+#[test]
+fn objects_know_what_they_stand_on() {
+    let problem = scene("figure1").unwrap();
+    let supports: Vec<&str> = problem
+        .movable
+        .iter()
+        .map(|object| object.start_support.map_or("", |FixedId(id)| problem.fixed[id as usize].name.as_str()))
+        .collect();
+    assert_eq!(supports, ["table_a", "table_a", "table_b", "table_b"]);
+}
+
+#[test]
+fn the_cabinet_region_lies_on_its_floor_not_on_its_roof() {
+    let problem = scene("figure1").unwrap();
+    let w4 = problem.regions.iter().find(|region| region.name == "w4").unwrap();
+    assert!((w4.world_from_region.translation.z - 0.6265).abs() < 1e-12);
 }

@@ -82,20 +82,37 @@ fn arcs(pairs: &Pairs, orderings: &[GivenOrdering]) -> Vec<Vec<Arc>> {
 
 /// A shortest cycle through the first event that lies on one: each event with the reason why it precedes the next.
 fn find_cycle(arcs: &[Vec<Arc>]) -> Option<Vec<(usize, Why)>> {
-    let mut incoming = vec![0_usize; arcs.len()];
-    arcs.iter().flatten().for_each(|arc| incoming[arc.to] += 1);
-    let mut free: Vec<usize> = (0..arcs.len()).filter(|event| incoming[*event] == 0).collect();
+    let backwards = reversed(arcs);
     let mut removed = vec![false; arcs.len()];
+    trim(arcs, &backwards, &mut removed);
+    trim(&backwards, arcs, &mut removed);
+    (0..arcs.len()).filter(|event| !removed[*event]).find_map(|event| cycle_through(arcs, event))
+}
+
+fn reversed(arcs: &[Vec<Arc>]) -> Vec<Vec<Arc>> {
+    let mut backwards: Vec<Vec<Arc>> = (0..arcs.len()).map(|_| Vec::new()).collect();
+    for (from, arcs) in arcs.iter().enumerate() {
+        for arc in arcs {
+            backwards[arc.to].push(Arc { to: from, why: arc.why });
+        }
+    }
+    backwards
+}
+
+/// Removes all events that nothing precedes, again and again: what is left lies on cycles or behind them.
+fn trim(arcs: &[Vec<Arc>], backwards: &[Vec<Arc>], removed: &mut [bool]) {
+    let mut incoming: Vec<usize> =
+        backwards.iter().map(|arcs| arcs.iter().filter(|arc| !removed[arc.to]).count()).collect();
+    let mut free: Vec<usize> = (0..arcs.len()).filter(|event| !removed[*event] && incoming[*event] == 0).collect();
     while let Some(event) = free.pop() {
         removed[event] = true;
-        for arc in &arcs[event] {
+        for arc in arcs[event].iter().filter(|arc| !removed[arc.to]) {
             incoming[arc.to] -= 1;
             if incoming[arc.to] == 0 {
                 free.push(arc.to);
             }
         }
     }
-    (0..arcs.len()).filter(|event| !removed[*event]).find_map(|event| cycle_through(arcs, event))
 }
 
 /// Breadth-first search from an event back to itself.

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::at::At;
-use super::nearest::did_you_mean;
+use super::names::Names;
 use super::numbers::{finite, pose, positive_number};
 use super::syntax::{GraspFile, MovableFile};
 use super::words::GraspEntry;
@@ -29,7 +29,8 @@ pub(crate) fn grasps(
             .finding(at.span, FindingKind::TooLarge, format!("`{}` has {} grasps", object.name, entries.len()))
             .help(format!("give 1 to {MAX_ENTRIES}, or leave `grasps` out for both families")));
     }
-    robots.iter().map(|robot| for_robot(source, entries, object, robot, robots)).collect()
+    let names = Names::new("robot", robots.iter().map(|robot| robot.name.as_str()));
+    robots.iter().map(|robot| for_robot(source, entries, object, robot, &names)).collect()
 }
 
 fn for_robot(
@@ -37,7 +38,7 @@ fn for_robot(
     entries: Option<&[At<GraspEntry>]>,
     object: &MovableObject,
     robot: &Robot,
-    robots: &[Robot],
+    robots: &Names<'_>,
 ) -> Found<Vec<Grasp>> {
     let depth = HandDepth::of(robot);
     let Some(entries) = entries else {
@@ -57,18 +58,10 @@ fn for_robot(
 }
 
 /// A listed grasp, if it is for this robot.
-fn one(source: &Source, file: &GraspFile, robot: &Robot, robots: &[Robot]) -> Found<Option<Grasp>> {
+fn one(source: &Source, file: &GraspFile, robot: &Robot, robots: &Names<'_>) -> Found<Option<Grasp>> {
     let mut meant = file.robots.is_none();
     for name in file.robots.iter().flatten() {
-        if robots.iter().all(|known| known.name != name.value) {
-            return Err(source
-                .finding(
-                    name.span,
-                    FindingKind::UnknownName,
-                    format!("no robot is called `{}`", name.value.escape_debug()),
-                )
-                .help(did_you_mean(name, robots.iter().map(|known| known.name.as_str()))));
-        }
+        robots.find(source, name)?;
         meant |= robot.name == name.value;
     }
     let hand = &robot.end_effector;

@@ -5,7 +5,7 @@ mod coordinates;
 mod cycle;
 mod grasps;
 mod hops;
-mod nearest;
+mod names;
 mod numbers;
 mod parse;
 mod placing;
@@ -19,9 +19,9 @@ mod task;
 mod words;
 
 use crate::problem_error::{FindingKind, Findings, Found, ProblemError, Source, Span};
-use crate::{Files, FixedObject, MovableObject, ObjectId, Problem, Region, Robot, Settings};
+use crate::{Files, FixedObject, MovableObject, Problem, Region, Robot, Settings};
 
-pub(crate) use nearest::did_you_mean;
+pub(crate) use names::did_you_mean;
 pub(crate) use numbers::GREATEST;
 pub(crate) use parse::read_text;
 
@@ -48,7 +48,7 @@ pub fn load_problem(files: &dyn Files, path: &str) -> Result<Problem, ProblemErr
     let levels = settings::levels(&source, file.levels.as_ref())?;
     let mut scene = scene(files, &source, &file, &settings)?;
     grasps(&source, &file, &mut scene)?;
-    let nouns = task::Nouns { robots: &scene.robots, movable: &scene.movable, regions: &scene.regions };
+    let nouns = task::Nouns::of(&scene.robots, &scene.movable, &scene.regions);
     let mut pairs = task::pairs(&source, &file.task, &nouns, MAX_PAIRS)?;
     let orderings = task::orderings(&source, &file.orderings, &pairs)?;
     task::hops(&source, &mut pairs, &nouns, &orderings)?;
@@ -129,8 +129,10 @@ fn scene(files: &dyn Files, source: &Source, file: &ProblemFile, settings: &Sett
         scene.movable.extend(findings.keep(scene::movable(files, source, entry)));
     }
     findings.end()?;
+    let names = names::Names::new("fixed object", scene.fixed.iter().map(|object| object.name.as_str()));
     for entry in &file.regions {
-        scene.regions.extend(findings.keep(scene::region(source, entry, &scene.fixed, settings.support_tolerance)));
+        let region = scene::region(source, entry, &scene.fixed, &names, settings.support_tolerance);
+        scene.regions.extend(findings.keep(region));
     }
     findings.end()?;
     Ok(scene)
@@ -155,14 +157,18 @@ fn supports(
 ) -> Result<(), ProblemError> {
     let mut findings = Findings::default();
     let surfaces = placing::all_surfaces(&scene.fixed);
-    let nouns = task::Nouns { robots: &scene.robots, movable: &scene.movable, regions: &scene.regions };
     let tolerance = settings.support_tolerance;
+    let mut first_pairs: Vec<Option<usize>> = vec![None; scene.movable.len()];
+    for (index, pair) in pairs.pairs.iter().enumerate().filter(|(_, pair)| pair.hop == 1) {
+        first_pairs[pair.object.index()] = Some(index);
+    }
     let mut supports = Vec::with_capacity(scene.movable.len());
     for (index, (entry, object)) in file.movable.iter().zip(&scene.movable).enumerate() {
-        let by_region = placing::first_hop(source, entry, pairs, &nouns, ObjectId::at(index), tolerance);
-        let support = by_region.and_then(|support| match support {
-            Some(support) => Ok(support),
-            None => placing::support(source, entry, object, &scene.fixed, &surfaces, tolerance),
+        let under = placing::support(source, entry, object, &scene.fixed, &surfaces, tolerance);
+        let support = under.and_then(|under| {
+            let first = first_pairs[index].map(|pair| (&pairs.pairs[pair], pairs.spans[pair]));
+            let by_region = placing::first_hop(source, entry, first, object, &scene.regions, tolerance)?;
+            Ok(by_region.unwrap_or(under))
         });
         supports.push(findings.keep(support));
     }

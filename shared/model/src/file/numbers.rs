@@ -12,7 +12,7 @@ pub(crate) const GREATEST: f64 = 1.0e4;
 
 /// Finite numbers of sensible size.
 pub(crate) fn finite<const N: usize>(source: &Source, at: &At<[f64; N]>, what: &str) -> Found<[f64; N]> {
-    match at.value.iter().find(|x| !(x.abs() <= GREATEST)) {
+    match at.value.iter().find(|x| x.is_nan() || x.abs() > GREATEST) {
         None => Ok(at.value),
         Some(x) => Err(source
             .finding(at.span, FindingKind::BadNumber, format!("{what} contains {x}"))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_saphyr::{Error, Location, MessageFormatter, UserMessageFormatter};
 
 use super::at::span_of;
-use super::nearest::did_you_mean;
+use super::names::did_you_mean;
 use super::syntax::ProblemFile;
 use crate::Files;
 use crate::files::{MAX_FILE_BYTES, too_large};
@@ -15,9 +15,9 @@ use crate::problem_error::{Finding, FindingKind, Found, Source, Span};
 pub(crate) fn read_text(files: &dyn Files, path: &str) -> Found<Source> {
     let unreadable = |why: String| {
         Finding::of_file(path, FindingKind::Unreadable, why)
-            .help("paths in a problem file are relative to that file; otherwise to where the program was started")
+            .help("give a path relative to where the program is started, or an absolute one")
     };
-    let bytes = files.read(path).map_err(|error| unreadable(error.to_string()))?;
+    let bytes = files.read(path).map_err(|error| unreadable(why_unread(&error)))?;
     if bytes.len() > MAX_FILE_BYTES {
         return Err(unreadable(too_large(bytes.len() as u64)));
     }
@@ -27,6 +27,14 @@ pub(crate) fn read_text(files: &dyn Files, path: &str) -> Found<Source> {
     })?;
     let text = Arc::from(text.strip_prefix('\u{FEFF}').unwrap_or(&text));
     Ok(Source { path: path.to_owned(), text })
+}
+
+/// Why a file was not read, in the same words on every system.
+pub(crate) fn why_unread(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        _ => error.to_string(),
+    }
 }
 
 /// Reads the structure of a problem file.
@@ -45,16 +53,20 @@ pub(crate) fn parse(source: &Source) -> Found<ProblemFile> {
 }
 
 fn finding(source: &Source, error: &Error) -> Box<Finding> {
-    let span = error.location().as_ref().map_or(Span { offset: 0, len: 0 }, known_span);
-    let finding = source.finding(span, FindingKind::Malformed, message(error));
-    match help(error) {
-        Some(help) => finding.help(help),
-        None => finding,
-    }
+    let span = error.location().map_or(Span { offset: 0, len: 0 }, |location| place(source, &location));
+    source.finding(span, FindingKind::Malformed, message(error)).help(help(error))
 }
 
-fn known_span(location: &Location) -> Span {
-    span_of(location)
+/// Bytes of a location; where it has none, from its line and column.
+fn place(source: &Source, location: &Location) -> Span {
+    if location.span().byte_offset().is_some() {
+        return span_of(location);
+    }
+    let line = usize::try_from(location.line()).unwrap_or(1).saturating_sub(1);
+    let column = usize::try_from(location.column()).unwrap_or(1).saturating_sub(1);
+    let line_start: usize = source.text.split_inclusive('\n').take(line).map(str::len).sum();
+    let rest = source.text.get(line_start..).unwrap_or_default();
+    Span { offset: line_start + rest.chars().take(column).map(char::len_utf8).sum::<usize>(), len: 1 }
 }
 
 fn message(error: &Error) -> String {
@@ -67,19 +79,22 @@ fn message(error: &Error) -> String {
             format!("{unexpected} where {expected} is expected")
         }
         Error::SerdeInvalidLength { len, expected, .. } => format!("{len} values where {expected} is expected"),
+        Error::InvalidScalar { ty, .. } => format!("not a {ty}"),
         Error::AliasError { error, .. } => message(error),
         other => UserMessageFormatter.format_message(other).into_owned(),
     }
 }
 
-fn help(error: &Error) -> Option<String> {
+fn help(error: &Error) -> String {
     match error {
         Error::SerdeUnknownField { field, expected, .. }
-        | Error::SerdeUnknownVariant { variant: field, expected, .. } => {
-            Some(did_you_mean(field, expected.iter().copied()))
-        }
-        Error::SerdeMissingField { field, .. } => Some(format!("add `{field}:` to this entry")),
+        | Error::SerdeUnknownVariant { variant: field, expected, .. } => did_you_mean(field, expected.iter().copied()),
+        Error::SerdeMissingField { field, .. } => format!("add `{field}:` to this entry"),
+        Error::SerdeInvalidLength { expected, .. } => format!("give {expected}"),
+        Error::InvalidScalar { .. } => "give a number such as 0.25".to_owned(),
+        Error::DuplicateMappingKey { .. } => "keep one of the two".to_owned(),
+        Error::Budget { .. } => "split the problem: files may hold a few million values".to_owned(),
         Error::AliasError { error, .. } => help(error),
-        _ => None,
+        _ => "`mrtamp schema problem` describes every key".to_owned(),
     }
 }

@@ -5,16 +5,15 @@ use nalgebra::{Point3, Vector3};
 use super::at::At;
 use super::surfaces::{Surface, surfaces};
 use super::syntax::MovableFile;
-use super::task::{Nouns, Pairs};
-use crate::problem_error::{FindingKind, Found, Source};
-use crate::{FixedId, FixedObject, MovableObject, ObjectId, Pair, Region};
+use crate::problem_error::{FindingKind, Found, Source, Span};
+use crate::{FixedId, FixedObject, MovableObject, Pair, Region};
 
 /// Slack for footprints that end on a region's border (m).
 const BORDER: f64 = 1.0e-6;
 
 /// Whether an object stands in a region: its whole footprint inside, its bottom within `tolerance` of the surface (m).
 pub(crate) fn stands_in(object: &MovableObject, region: &Region, tolerance: f64) -> bool {
-    (bottom(object) - region.world_from_region.translation.z).abs() <= tolerance && footprint_inside(object, region)
+    (bottom(object) - region.world_from_region.translation.z).abs() <= tolerance && is_over(object, region)
 }
 
 /// Height of an object's lowest point at the start (m).
@@ -22,11 +21,13 @@ pub(crate) fn bottom(object: &MovableObject) -> f64 {
     object.world_from_start.translation.z - object.origin_height()
 }
 
-fn footprint_inside(object: &MovableObject, region: &Region) -> bool {
+/// Whether an object's whole footprint lies above or below a region.
+pub(crate) fn is_over(object: &MovableObject, region: &Region) -> bool {
     let region_from_object = region.world_from_region.inverse() * object.world_from_start;
+    let outside = |along: f64, size: f64| along.abs() > size / 2.0 + BORDER;
     object.footprint().iter().all(|[x, y]| {
         let point = region_from_object * Point3::new(*x, *y, 0.0);
-        point.x.abs() <= region.size[0] / 2.0 + BORDER && point.y.abs() <= region.size[1] / 2.0 + BORDER
+        !outside(point.x, region.size[0]) && !outside(point.y, region.size[1])
     })
 }
 
@@ -84,34 +85,28 @@ fn middle(object: &MovableObject) -> Point3<f64> {
 pub(crate) fn first_hop(
     source: &Source,
     file: &At<MovableFile>,
-    pairs: &Pairs,
-    nouns: &Nouns<'_>,
-    object: ObjectId,
+    first: Option<(&Pair, Span)>,
+    standing: &MovableObject,
+    regions: &[Region],
     tolerance: f64,
 ) -> Found<Option<FixedId>> {
-    let is_first = |pair: &&Pair| pair.object == object && pair.hop == 1;
-    let Some(index) = pairs.pairs.iter().position(|pair| is_first(&pair)) else { return Ok(None) };
-    let pair = &pairs.pairs[index];
-    let region = &nouns.regions[pair.from.index()];
-    let standing = &nouns.movable[object.index()];
+    let Some((pair, pair_span)) = first else { return Ok(None) };
+    let region = &regions[pair.from.index()];
     if stands_in(standing, region, tolerance) {
         return Ok(Some(region.support));
     }
     let place = file.pose.xyz.as_ref().map_or(file.pose.span, |at| at.span);
-    let inside = footprint_inside(standing, region);
+    let inside = is_over(standing, region);
     let message = format!("`{}` does not stand in `{}`, where `{}` picks it", standing.name, region.name, pair.name);
     let help = if inside {
         let z = region.world_from_region.translation.z + standing.origin_height();
         format!("its z must be {z:.4}")
     } else {
-        let other = nouns.regions.iter().find(|region| stands_in(standing, region, tolerance));
+        let other = regions.iter().find(|region| stands_in(standing, region, tolerance));
         other.map_or_else(
             || "its whole footprint must lie inside the region".to_owned(),
             |other| format!("it stands in `{}`", other.name),
         )
     };
-    Err(source
-        .finding(place, FindingKind::BadPlace, message)
-        .note(source, pairs.spans[index], "picked here")
-        .help(help))
+    Err(source.finding(place, FindingKind::BadPlace, message).note(source, pair_span, "picked here").help(help))
 }

@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 
 use super::at::At;
 use super::coordinates::plan_coordinates;
-use super::nearest::did_you_mean;
+use super::names::did_you_mean;
 use super::numbers::{pose, positive_number, range};
+use super::parse::why_unread;
 use super::start::{named_state, start};
 use super::syntax::{BaseFile, RobotFile};
 use crate::files::{folder, join};
@@ -19,7 +20,7 @@ pub(crate) fn robot(files: &dyn Files, source: &Source, file: &RobotFile) -> Fou
     for path in [&file.urdf, &file.srdf] {
         if let Err(error) = files.read(&beside(path)) {
             return Err(source
-                .finding(path.span, FindingKind::Unreadable, format!("{}: {error}", beside(path)))
+                .finding(path.span, FindingKind::Unreadable, format!("{}: {}", beside(path), why_unread(&error)))
                 .help("give a path relative to the folder of this file"));
         }
     }
@@ -30,7 +31,7 @@ pub(crate) fn robot(files: &dyn Files, source: &Source, file: &RobotFile) -> Fou
     let plan = plan_coordinates(source, file, &described, base_coordinates)?;
     let home = named_state(&described, &plan, "home")?;
     let home = home.ok_or_else(|| {
-        crate::Finding::of_file(&described.srdf_source.path, FindingKind::BadRobot, "no group state `home`").help(
+        described.srdf_source.finding(described.srdf.span, FindingKind::BadRobot, "no group state `home`").help(
             "add `<group_state name=\"home\" group=\"...\">`: the configuration of the arm in which the robot drives",
         )
     })?;

@@ -3,7 +3,7 @@
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::at::At;
-use super::nearest::did_you_mean;
+use super::names::Names;
 use super::numbers::{finite, number, pose, positive, positive_number};
 use super::surfaces::{covers, surfaces};
 use super::syntax::{FixedFile, MovableFile, RegionFile, ShapeFile};
@@ -92,16 +92,14 @@ pub(crate) fn movable(files: &dyn Files, source: &Source, file: &At<MovableFile>
 /// Resolves a region.
 ///
 /// `tolerance` is how far it may be from a surface of its fixed object (m).
-pub(crate) fn region(source: &Source, file: &At<RegionFile>, fixed: &[FixedObject], tolerance: f64) -> Found<Region> {
-    let Some(support) = fixed.iter().position(|object| object.name == file.on.value) else {
-        return Err(source
-            .finding(
-                file.on.span,
-                FindingKind::UnknownName,
-                format!("no fixed object is called `{}`", file.on.value.escape_debug()),
-            )
-            .help(did_you_mean(&file.on, fixed.iter().map(|object| object.name.as_str()))));
-    };
+pub(crate) fn region(
+    source: &Source,
+    file: &At<RegionFile>,
+    fixed: &[FixedObject],
+    names: &Names<'_>,
+    tolerance: f64,
+) -> Found<Region> {
+    let support = names.find(source, &file.on)?;
     let object = &fixed[support];
     let size = positive(source, &file.size, "a region's size")?;
     let [x, y] = file.centre.as_ref().map_or(Ok([0.0; 2]), |at| finite(source, at, "a region's centre"))?;

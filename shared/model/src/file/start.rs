@@ -2,7 +2,7 @@
 
 use super::at::At;
 use super::coordinates::Plan;
-use super::nearest::did_you_mean;
+use super::names::did_you_mean;
 use super::numbers::number;
 use super::syntax::RobotFile;
 use super::words::StartFile;

@@ -2,9 +2,9 @@
 
 use super::at::At;
 use super::hops::number_hops;
-use super::nearest::did_you_mean;
+use super::names::Names;
 use super::syntax::{OrderingFile, PairFile};
-use super::words::{PointFile, TaskFile};
+use super::words::{PairList, PointFile, TaskFile};
 use crate::problem_error::{FindingKind, Findings, Found, Source, Span};
 use crate::{
     GivenOrdering, MovableObject, ObjectId, Pair, PairId, Point, ProblemError, Region, RegionId, Robot, RobotId,
@@ -21,6 +21,22 @@ pub(crate) struct Nouns<'a> {
     pub robots: &'a [Robot],
     pub movable: &'a [MovableObject],
     pub regions: &'a [Region],
+    robot_names: Names<'a>,
+    movable_names: Names<'a>,
+    region_names: Names<'a>,
+}
+
+impl<'a> Nouns<'a> {
+    pub(crate) fn of(robots: &'a [Robot], movable: &'a [MovableObject], regions: &'a [Region]) -> Self {
+        Self {
+            robots,
+            movable,
+            regions,
+            robot_names: Names::new("robot", robots.iter().map(|robot| robot.name.as_str())),
+            movable_names: Names::new("movable object", movable.iter().map(|object| object.name.as_str())),
+            region_names: Names::new("region", regions.iter().map(|region| region.name.as_str())),
+        }
+    }
 }
 
 /// Resolves all pairs; hop numbers are given afterwards.
@@ -31,9 +47,9 @@ pub(crate) fn pairs(
     most: usize,
 ) -> Result<Pairs, ProblemError> {
     let mut findings = Findings::default();
-    let mut by_robot: Vec<Option<&At<Vec<At<PairFile>>>>> = vec![None; nouns.robots.len()];
+    let mut by_robot: Vec<Option<&At<PairList>>> = vec![None; nouns.robots.len()];
     for (name, list) in &file.value.0 {
-        let robot = findings.keep(find(source, name, "robot", nouns.robots.iter().map(|robot| robot.name.as_str())));
+        let robot = findings.keep(nouns.robot_names.find(source, name));
         if let Some(robot) = robot {
             by_robot[robot] = Some(list);
         }
@@ -62,10 +78,9 @@ pub(crate) fn pairs(
 }
 
 fn pair(source: &Source, entry: &At<PairFile>, nouns: &Nouns<'_>, robot: RobotId, number: usize) -> Found<Pair> {
-    let object =
-        find(source, &entry.object, "movable object", nouns.movable.iter().map(|object| object.name.as_str()))?;
-    let region = |at| find(source, at, "region", nouns.regions.iter().map(|region| region.name.as_str()));
-    let (from, to) = (region(&entry.from)?, region(&entry.to)?);
+    let object = nouns.movable_names.find(source, &entry.object)?;
+    let from = nouns.region_names.find(source, &entry.from)?;
+    let to = nouns.region_names.find(source, &entry.to)?;
     let name = match &entry.name {
         Some(at) => super::numbers::name(source, at, "pair")?.to_owned(),
         None => format!("{}.{number}", nouns.robots[robot.index()].name),
@@ -80,20 +95,6 @@ fn pair(source: &Source, entry: &At<PairFile>, nouns: &Nouns<'_>, robot: RobotId
         )));
     }
     Ok(Pair { name, robot, object: ObjectId::at(object), from: RegionId::at(from), to: RegionId::at(to), hop: 0 })
-}
-
-/// The index of a name.
-fn find<'a>(
-    source: &Source,
-    at: &At<String>,
-    what: &str,
-    known: impl Iterator<Item = &'a str> + Clone,
-) -> Found<usize> {
-    known.clone().position(|name| name == at.value).ok_or_else(|| {
-        source
-            .finding(at.span, FindingKind::UnknownName, format!("no {what} is called `{}`", at.value.escape_debug()))
-            .help(did_you_mean(at, known))
-    })
 }
 
 fn unique(source: &Source, pairs: &Pairs) -> Found<()> {
@@ -117,19 +118,9 @@ pub(crate) fn orderings(
 ) -> Result<Vec<GivenOrdering>, ProblemError> {
     let mut findings = Findings::default();
     let mut orderings = Vec::with_capacity(file.len());
-    let index: std::collections::BTreeMap<&str, usize> =
-        pairs.pairs.iter().enumerate().map(|(index, pair)| (pair.name.as_str(), index)).collect();
+    let names = Names::new("pair", pairs.pairs.iter().map(|pair| pair.name.as_str()));
     let event = |at: &At<PointFile>| -> Found<(PairId, Point)> {
-        let found = index.get(at.value.pair.as_str()).ok_or_else(|| {
-            source
-                .finding(
-                    at.span,
-                    FindingKind::UnknownName,
-                    format!("no pair is called `{}`", at.value.pair.escape_debug()),
-                )
-                .help(did_you_mean(&at.value.pair, index.keys().copied()))
-        })?;
-        Ok((PairId::at(*found), at.value.point))
+        Ok((PairId::at(names.find_name(source, at, &at.value.pair)?), at.value.point))
     };
     for ordering in file {
         let before = findings.keep(event(&ordering.before));
@@ -150,8 +141,12 @@ pub(crate) fn hops(
     orderings: &[GivenOrdering],
 ) -> Result<(), ProblemError> {
     let mut findings = Findings::default();
-    for object in 0..nouns.movable.len() {
-        findings.keep(number_hops(source, pairs, nouns, ObjectId::at(object), orderings));
+    let mut by_object: Vec<Vec<usize>> = vec![Vec::new(); nouns.movable.len()];
+    for (index, pair) in pairs.pairs.iter().enumerate() {
+        by_object[pair.object.index()].push(index);
+    }
+    for (object, own) in by_object.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+        findings.keep(number_hops(source, pairs, nouns, ObjectId::at(object), own, orderings));
     }
     findings.end()
 }

@@ -16,12 +16,17 @@ use crate::Point;
 #[derive(Debug)]
 pub(crate) enum StartFile {
     Home,
-    Values(Vec<(At<String>, At<f64>)>),
+    Values(Entries<At<f64>>),
 }
 
 /// Pairs by robot name, in file order.
 #[derive(Debug)]
-pub(crate) struct TaskFile(pub Vec<(At<String>, At<Vec<At<PairFile>>>)>);
+pub(crate) struct TaskFile(pub Entries<At<PairList>>);
+
+/// Pairs of one robot.
+pub(crate) type PairList = Vec<At<PairFile>>;
+/// Keys and values of a map, in file order, with the places of the keys.
+pub(crate) type Entries<T> = Vec<(At<String>, T)>;
 
 /// One family or a list.
 #[derive(Debug)]
@@ -103,8 +108,8 @@ macro_rules! deserialize_words {
 
 deserialize_words!(StartFile, TaskFile, GraspsFile, GraspEntry, PointFile);
 
-/// All entries of a map, in file order, with the places of the keys.
-fn entries<'de, A: MapAccess<'de>, T: Deserialize<'de>>(mut map: A) -> Result<Vec<(At<String>, At<T>)>, A::Error> {
+/// All entries of a map.
+fn entries<'de, A: MapAccess<'de>, T: Deserialize<'de>>(mut map: A) -> Result<Entries<T>, A::Error> {
     let mut entries = Vec::new();
     while let Some(entry) = map.next_entry()? {
         entries.push(entry);

@@ -6,7 +6,7 @@ use roxmltree::Node;
 use super::joints::pose;
 use super::mesh::load_hull;
 use super::tree::Tree;
-use super::xml::{children, span};
+use super::xml::{child, children, span};
 use crate::problem_error::{FindingKind, Found, Source, Span};
 use crate::{Body, Files, Link, Shape};
 
@@ -26,7 +26,9 @@ pub(crate) fn links(
         let (link, node) = (&read[*position], nodes[*position]);
         let mut bodies = Vec::with_capacity(link.collision.len());
         for (collision, at) in link.collision.iter().zip(children(node, "collision")) {
-            let shape = shape(files, source, &collision.geometry, span(source, at))?;
+            // The innermost element: the primitive or mesh itself.
+            let place = child(at, "geometry").and_then(|geometry| geometry.first_element_child()).unwrap_or(at);
+            let shape = shape(files, source, &collision.geometry, span(source, place))?;
             bodies.push(Body { owner_from_shape: pose(&collision.origin), shape });
         }
         links.push(Link { name: link.name.trim().to_owned(), bodies });
@@ -43,7 +45,7 @@ fn shape(files: &dyn Files, source: &Source, geometry: &urdf_rs::Geometry, span:
         Geometry::Sphere { radius } => &[*radius],
         Geometry::Mesh { .. } => &[],
     };
-    if let Some(size) = sizes.iter().find(|size| !(**size >= LEAST_SIZE)) {
+    if let Some(size) = sizes.iter().find(|size| size.is_nan() || **size < LEAST_SIZE) {
         return Err(source
             .finding(span, FindingKind::BadRobot, format!("a collision body of size {size}"))
             .help("give sizes above zero, in metres"));

@@ -20,6 +20,8 @@ pub(crate) struct Srdf {
     pub arm_joints: Option<BTreeSet<usize>>,
     pub states: Vec<GroupState>,
     pub disabled: Vec<(LinkId, LinkId)>,
+    /// Its root element.
+    pub span: Span,
 }
 
 /// How the root link is attached to the world.
@@ -81,6 +83,7 @@ pub(crate) fn srdf(source: &Source, links: &[Link], joints: &[JointDescription])
         arm_joints,
         states: reader.states()?,
         disabled: reader.disabled()?,
+        span: span(source, reader.root),
     })
 }
 

@@ -1,4 +1,36 @@
-//! Suggestions for misspelt names.
+//! Looking things up by name, with suggestions for misspelt names.
+
+use std::collections::BTreeMap;
+
+use super::at::At;
+use crate::problem_error::{FindingKind, Found, Source};
+
+/// All names of one kind.
+pub(crate) struct Names<'a> {
+    what: &'static str,
+    index: BTreeMap<&'a str, usize>,
+}
+
+impl<'a> Names<'a> {
+    /// `names` in the order of the list that owns what they name.
+    pub(crate) fn new(what: &'static str, names: impl Iterator<Item = &'a str>) -> Self {
+        Self { what, index: names.enumerate().map(|(index, name)| (name, index)).collect() }
+    }
+
+    /// The index of what `at` names.
+    pub(crate) fn find(&self, source: &Source, at: &At<String>) -> Found<usize> {
+        self.find_name(source, at, &at.value)
+    }
+
+    /// The index of what a part of `at` names.
+    pub(crate) fn find_name<T>(&self, source: &Source, at: &At<T>, name: &str) -> Found<usize> {
+        self.index.get(name).copied().ok_or_else(|| {
+            let message = format!("no {} is called `{}`", self.what, name.escape_debug());
+            let help = did_you_mean(name, self.index.keys().copied());
+            source.finding(at.span, FindingKind::UnknownName, message).help(help)
+        })
+    }
+}
 
 /// A remedy for an unknown name: the nearest known one, or all of them where none is near.
 pub(crate) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {

@@ -24,6 +24,8 @@ pub(crate) struct Actor<'a> {
     held: Option<usize>,
     posture: Posture,
     placed: Vec<Placed>,
+    /// For each leg, a ball that contains the robot throughout: before the first knot, between knots, after the last.
+    rooms: Vec<(DVec3, f64)>,
 }
 
 struct Load<'a> {
@@ -62,7 +64,7 @@ impl<'a> Actor<'a> {
             }
         };
         let own = timeline.holds.iter().enumerate().filter(|(_, hold)| hold.robot.index() == robot);
-        Self {
+        let mut actor = Self {
             robot: &script.problem.robots[robot],
             mechanism: &script.mechanisms[robot],
             track,
@@ -72,7 +74,24 @@ impl<'a> Actor<'a> {
             held: None,
             posture: Posture::default(),
             placed: Vec::new(),
-        }
+            rooms: Vec::new(),
+        };
+        actor.rooms = (0..=track.knots.len()).map(|leg| actor.room_of(leg)).collect();
+        actor
+    }
+
+    /// The ball of the leg that ends at knot `next`.
+    fn room_of(&mut self, next: usize) -> (DVec3, f64) {
+        let from = self.track.knots[next.saturating_sub(1)].t;
+        let to = self.track.knots.get(next).map_or(from, |knot| knot.t.max(from));
+        self.enter(f64::midpoint(from, to));
+        let ball = self.ball();
+        (ball.centre, ball.radius + ball.speed * (to - from) / 2.0 + 1e-6)
+    }
+
+    /// A ball that contains the robot throughout the leg at `t`: centre and radius (m).
+    pub(crate) fn room(&self, t: f64) -> (DVec3, f64) {
+        self.rooms[self.track.knots.partition_point(|knot| knot.t <= t)]
     }
 
     /// Turns to the leg that contains `t`, and places the robot there. Returns whether it holds something else than before.

@@ -94,18 +94,17 @@ fn check_between<'a>(
     let mut sweep = Sweep::new((a.link_bodies() + 1) * columns);
     for stretch in stretches(a.track.times().chain(b.track.times()), horizon) {
         let middle = f64::midpoint(stretch.0, stretch.1);
+        let ((near, near_radius), (far, far_radius)) = (a.room(middle), b.room(middle));
+        if near.distance(far) > near_radius + far_radius {
+            sweep.tally.intervals += 1;
+            continue;
+        }
         if a.enter(middle) {
             let row = a.link_bodies() * columns;
             sweep.renew(row..row + columns);
         }
         if b.enter(middle) {
             sweep.renew((0..=a.link_bodies()).map(|i| i * columns + columns - 1));
-        }
-        let (near, far, half) = (a.ball(), b.ball(), (stretch.1 - stretch.0) / 2.0);
-        let reach = near.radius + far.radius + (near.speed + far.speed) * half;
-        if near.centre.distance(far.centre) > reach + 1e-6 {
-            sweep.tally.intervals += 1;
-            continue;
         }
         let (rows, width) = (a.bodies(), b.bodies());
         let candidates = (0..rows).flat_map(|first| {

@@ -17,6 +17,8 @@ mod limits;
 mod mechanism;
 mod ordering;
 mod points;
+#[cfg(test)]
+mod random;
 mod script;
 mod solid;
 mod surroundings;

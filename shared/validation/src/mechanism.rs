@@ -227,3 +227,6 @@ impl Mechanism {
 fn distance_to_axis(point: DVec3, on_axis: DVec3, direction: DVec3) -> f64 {
     (point - on_axis).cross(direction).length()
 }
+
+#[cfg(test)]
+mod tests;

@@ -43,9 +43,10 @@ pub(crate) struct Solid {
 
 /// Outcome of a distance query at one instant.
 pub(crate) enum Separation {
-    /// Unit axis from the first body to the second, and distance as the query measured it (m, above 0).
+    /// The cores are apart: unit axis from the first body to the second, and distance of the bodies as the query measured
+    /// it (m), below 0 where their roundings overlap.
     Apart(DVec3, f64),
-    /// The bodies touch or overlap.
+    /// The cores touch or overlap.
     Touching,
     /// The query did not converge.
     Unknown,
@@ -92,7 +93,7 @@ impl Solid {
                 let between = p2 - p1;
                 let local = if between.length() > 1e-9 { between.normalize() } else { normal };
                 let distance = between.length() - self.rounding - other.rounding;
-                if distance > 0.0 { Separation::Apart(frame.rotation * local, distance) } else { Separation::Touching }
+                Separation::Apart(frame.rotation * local, distance)
             }
             GJKResult::Intersection => Separation::Touching,
             GJKResult::Proximity(_) | GJKResult::NoIntersection(_) => Separation::Unknown,
@@ -176,3 +177,6 @@ impl SupportMap for Core {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

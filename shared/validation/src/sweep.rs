@@ -184,7 +184,9 @@ impl Sweep {
         }
         self.tally.distances += 1;
         let separation = solid.separation(&frame, other, &other_placed.frame, axis);
+        let mut overlap = matches!(separation, Separation::Touching);
         if let Separation::Apart(axis, distance) = separation {
+            overlap = distance <= 0.0;
             self.axes[candidate.slot] = axis;
             self.least[candidate.slot] = self.least[candidate.slot].min(distance);
             gap = gap.max(solid.gap_along(&frame, other, &other_placed.frame, axis));
@@ -193,7 +195,7 @@ impl Sweep {
             }
         }
         // A proven gap outweighs what the distance query says.
-        if matches!(separation, Separation::Touching) && gap <= 0.0 {
+        if overlap && gap <= 0.0 {
             return Answer::Met { depth: solid.depth(&frame, other, &other_placed.frame) };
         }
         Answer::Unsure { floor: motion < FLOOR }

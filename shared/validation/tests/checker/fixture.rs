@@ -218,11 +218,10 @@ pub fn violations(problem: &Problem, plan: &Plan) -> Vec<Violation> {
 }
 
 /// Asserts that a plan is accepted.
+#[track_caller]
 pub fn accepted(problem: &Problem, plan: &Plan) -> Verdict {
-    match check_plan(problem, plan) {
-        Ok(verdict) => verdict,
-        Err(wrong) => panic!("{}", wrong.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")),
-    }
+    let words = |wrong: Vec<Violation>| wrong.iter().map(ToString::to_string).collect::<Vec<_>>();
+    check_plan(problem, plan).map_err(words).expect("a valid plan")
 }
 
 /// Asserts that a plan is rejected for exactly one rule.

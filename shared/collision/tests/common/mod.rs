@@ -148,6 +148,12 @@ pub fn random_configuration(robot: &Robot, random: &mut Random) -> Vec<f64> {
     robot.coordinates.iter().map(|c| random.between(c.lower.max(-1.4), c.upper.min(1.4))).collect()
 }
 
+/// The shipped problem.
+pub fn figure1() -> Problem {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../launch/scenes/figure1.yaml");
+    model::load_problem(&model::DiskFiles, scene).unwrap()
+}
+
 /// Nothing, or one of the objects.
 pub fn random_holding(problem: &Problem, random: &mut Random) -> Option<Holding> {
     let pick = random.pick(problem.movable.len() + 1);

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use contract::{DirectCalls, ProblemStatement, Products};
+use contract::{DirectCalls, ProblemStatement};
 use refiner::{End, Refinement};
 
 use crate::progress::Progress;
-use crate::stages::own_stages;
+use crate::stages::{BusyTimes, own_stages};
 
 /// What a run leaves: the refinement and, if it was solved, the bytes of its plan.
 #[derive(Debug)]
@@ -16,6 +16,8 @@ pub struct RunEnd {
     pub refinement: Refinement,
     /// Bytes of the product that the end names.
     pub plan: Option<Arc<[u8]>>,
+    /// Time that each stage has worked on jobs, over all its workers.
+    pub busy: BusyTimes,
 }
 
 /// Refines a statement by direct calls.
@@ -27,7 +29,8 @@ pub fn run(
     cancelled: &Arc<AtomicBool>,
     progress: &Progress,
 ) -> miette::Result<RunEnd> {
-    let mut calls = DirectCalls::new(statement.clone(), own_stages(statement)?, cancelled.clone());
+    let busy = BusyTimes::default();
+    let mut calls = DirectCalls::new(statement.clone(), own_stages(statement, &busy)?, cancelled.clone());
     let watched = progress.clone();
     calls.observe(move |job, outcome| watched.answered(job, outcome));
     let products = calls.products();
@@ -36,5 +39,5 @@ pub fn run(
         End::Solved { plan, .. } => products.get(&plan.digest),
         End::Failed { .. } | End::Fault(_) => None,
     };
-    Ok(RunEnd { refinement, plan })
+    Ok(RunEnd { refinement, plan, busy })
 }

@@ -2,6 +2,7 @@
 //!
 //! It is a library so that the integration tests can start sets with stages of their own.
 
+pub mod bench_command;
 pub mod check_command;
 pub mod ending;
 pub mod exit;

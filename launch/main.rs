@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use launch::{check_command, plan_command, schema_command};
+use launch::{bench_command, check_command, plan_command, schema_command};
 
 /// Multi-robot task and motion planning: refines a task plan into a plan that every robot executes on its own clock.
 #[derive(Parser)]
@@ -17,6 +17,8 @@ struct Cli {
 enum Command {
     /// Plans a problem.
     Plan(plan_command::PlanArgs),
+    /// Plans one problem with several seeds and prints the figures.
+    Bench(bench_command::BenchArgs),
     /// Checks a plan independently of the planner.
     Check(check_command::CheckArgs),
     /// Prints the JSON Schema of a file format.
@@ -26,6 +28,7 @@ enum Command {
 fn main() -> ExitCode {
     let ended = match Cli::parse().command {
         Command::Plan(args) => plan_command::run(&args),
+        Command::Bench(args) => bench_command::run(&args),
         Command::Check(args) => check_command::run(&args),
         Command::Schema(args) => schema_command::run(&args),
     };

@@ -8,8 +8,9 @@ use std::sync::atomic::AtomicBool;
 use clap::{Args, ValueEnum};
 use contract::{CompositeMethod, ProblemStatement};
 
+use crate::ending::Conclusion;
 use crate::progress::Progress;
-use crate::{ending, in_process, problem_source};
+use crate::{in_process, problem_source};
 
 /// Arguments of `mrtamp plan`.
 #[derive(Args, Debug)]
@@ -49,6 +50,17 @@ pub enum Composite {
     Drrt,
 }
 
+impl Composite {
+    /// Name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Composite::Prioritised => "prioritised",
+            Composite::Drrt => "drrt",
+        }
+    }
+}
+
 impl From<Composite> for CompositeMethod {
     fn from(composite: Composite) -> Self {
         match composite {
@@ -68,5 +80,5 @@ pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
     let progress = Progress::new(statement.clone(), args.json);
     let cancelled = Arc::new(AtomicBool::new(false));
     let run = in_process::run(&statement, &cancelled, &progress)?;
-    ending::conclude(&statement, &run, &args.out, &progress)
+    Conclusion { statement: &statement, out: &args.out, json: args.json, progress: &progress }.conclude(&run)
 }

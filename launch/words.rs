@@ -1,7 +1,7 @@
 //! Causes, modes and results in a user's words.
 
 use model::Problem;
-use plan::{BodyRef, Cause, PairPoint};
+use plan::{BodyRef, Cause, PairPoint, PlanOrdering};
 use skeleton::ModeId;
 
 /// A mode, e.g. `r1.2 transfer`.
@@ -39,6 +39,14 @@ pub fn cause(cause: &Cause) -> String {
         Cause::Deadlock { robots } => format!("{} block one another", robots.join(" and ")),
         Cause::Budget { stage } => format!("the work budget of {stage} was used up"),
     }
+}
+
+/// An ordering in one sentence.
+#[must_use]
+pub fn ordering(ordering: &PlanOrdering) -> String {
+    let at = |point: &PairPoint| format!("{} of {}", point.point.name(), point.pair);
+    let because = ordering.cause.as_ref().map_or(String::new(), |because| format!(": {}", cause(because)));
+    format!("{} before {}{because}", at(&ordering.before), at(&ordering.after))
 }
 
 fn cycle(points: &[PairPoint]) -> String {

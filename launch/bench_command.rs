@@ -1,0 +1,133 @@
+//! `mrtamp bench`: plans one problem with several seeds, each in a fresh program, and prints the figures.
+
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+
+use clap::Args;
+use miette::{Context, IntoDiagnostic};
+use serde_json::Value;
+
+use crate::exit;
+use crate::plan_command::Composite;
+
+/// Arguments of `mrtamp bench`.
+#[derive(Args, Debug)]
+pub struct BenchArgs {
+    /// Problem file, or the name of a built-in scene (default: figure1).
+    pub problem: Option<PathBuf>,
+    /// Number of seeds, counted from `--first-seed`.
+    #[arg(long, default_value_t = 25)]
+    pub seeds: u64,
+    /// First seed.
+    #[arg(long, default_value_t = 0)]
+    pub first_seed: u64,
+    /// Plan in one process, by direct calls.
+    #[arg(long)]
+    pub in_process: bool,
+    /// How composite motion is searched for.
+    #[arg(long, value_enum, default_value_t)]
+    pub composite: Composite,
+    /// Seconds after which a search is ended.
+    #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
+    pub time_limit: f64,
+    /// Folder for the plans, one subfolder for each seed.
+    #[arg(long, value_name = "DIR", default_value = "mrtamp-out/bench")]
+    pub out: PathBuf,
+}
+
+/// One run.
+struct Row {
+    seed: u64,
+    solved: bool,
+    refused: bool,
+    elapsed_s: f64,
+    cpu_s: f64,
+    report: Value,
+}
+
+/// Plans with every seed and prints a table, medians and worst cases.
+///
+/// # Errors
+/// When the program cannot start itself.
+pub fn run(args: &BenchArgs) -> miette::Result<ExitCode> {
+    let mut rows = Vec::new();
+    println!("{:>6} {:>9} {:>9} {:>10} {:>10} {:>6}  end", "seed", "time s", "cpu s", "task s", "bound s", "arcs");
+    for seed in args.first_seed..args.first_seed + args.seeds {
+        let row = plan_once(args, seed)?;
+        let number = |key: &str| row.report["plan"][key].as_f64().map_or("-".to_owned(), |x| format!("{x:.2}"));
+        let end = row.report["result"].as_str().unwrap_or(if row.refused { "refused" } else { "fault" });
+        println!(
+            "{:>6} {:>9.2} {:>9.2} {:>10} {:>10} {:>6}  {end}",
+            row.seed,
+            row.elapsed_s,
+            row.cpu_s,
+            number("task_s"),
+            number("lower_bound_s"),
+            row.report["plan"]["arcs"].as_u64().map_or("-".to_owned(), |n| n.to_string()),
+        );
+        rows.push(row);
+    }
+    print_totals(&rows);
+    let all = rows.iter().all(|row| row.solved);
+    Ok(ExitCode::from(if all { exit::SOLVED } else { exit::EXHAUSTED }))
+}
+
+fn plan_once(args: &BenchArgs, seed: u64) -> miette::Result<Row> {
+    let program = std::env::current_exe().into_diagnostic()?;
+    let out = args.out.join(format!("seed{seed}"));
+    let mut command = Command::new(program);
+    command.arg("plan").args(&args.problem).args(["--json", "--seed", &seed.to_string()]).arg("--out").arg(&out);
+    command.args(["--time-limit", &args.time_limit.to_string()]);
+    command.args(["--composite", args.composite.name()]);
+    if args.in_process {
+        command.arg("--in-process");
+    }
+    let (started, cpu_before) = (std::time::Instant::now(), children_cpu_s());
+    let ended = command.output().into_diagnostic().wrap_err("the program cannot start itself")?;
+    let report: Value = serde_json::from_slice(&ended.stdout).unwrap_or(Value::Null);
+    let refused = String::from_utf8_lossy(&ended.stderr).contains("the checker refuses the plan");
+    if report.is_null() {
+        eprintln!("seed {seed}: {}", String::from_utf8_lossy(&ended.stderr).trim_end());
+    }
+    Ok(Row {
+        seed,
+        solved: ended.status.success(),
+        refused,
+        elapsed_s: started.elapsed().as_secs_f64(),
+        cpu_s: children_cpu_s() - cpu_before,
+        report,
+    })
+}
+
+/// CPU time of all ended children and theirs (s).
+fn children_cpu_s() -> f64 {
+    use nix::sys::resource::{UsageWho, getrusage};
+    let seconds = |time: nix::sys::time::TimeVal| time.tv_sec() as f64 + time.tv_usec() as f64 / 1e6;
+    getrusage(UsageWho::RUSAGE_CHILDREN)
+        .map_or(f64::NAN, |usage| seconds(usage.user_time()) + seconds(usage.system_time()))
+}
+
+fn print_totals(rows: &[Row]) {
+    let solved = rows.iter().filter(|row| row.solved).count();
+    let refused = rows.iter().filter(|row| row.refused).count();
+    println!("solved {solved} of {}, refused by the checker {refused}", rows.len());
+    print_spread("time s", rows.iter().map(|row| row.elapsed_s).collect());
+    print_spread("cpu s", rows.iter().map(|row| row.cpu_s).collect());
+    print_spread("task makespan s", rows.iter().filter_map(|row| row.report["plan"]["task_s"].as_f64()).collect());
+    for stage in contract::StageKind::ALL {
+        let of_stage = |key: &str| -> Vec<f64> {
+            let stages = rows.iter().filter_map(|row| row.report["stages"].as_array()).flatten();
+            stages.filter(|s| s["stage"] == stage.name()).filter_map(|s| s[key].as_f64()).collect()
+        };
+        print_spread(&format!("{stage} busy s"), of_stage("busy_s"));
+        print_spread(&format!("{stage} work"), of_stage("work"));
+    }
+}
+
+fn print_spread(name: &str, mut values: Vec<f64>) {
+    values.sort_by(f64::total_cmp);
+    if let (Some(least), Some(greatest)) = (values.first(), values.last()) {
+        let median = values[values.len() / 2];
+        println!("{name:<20} min {least:>12.2}  median {median:>12.2}  max {greatest:>12.2}");
+    }
+}

@@ -5,6 +5,7 @@ mod fixture;
 mod mutations;
 mod random;
 mod robots;
+mod sampling;
 mod scenarios;
 mod size;
 mod valid;

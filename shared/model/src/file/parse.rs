@@ -79,7 +79,7 @@ fn message(error: &Error) -> String {
             format!("{unexpected} where {expected} is expected")
         }
         Error::SerdeInvalidLength { len, expected, .. } => format!("{len} values where {expected} is expected"),
-        Error::InvalidScalar { ty, .. } => format!("not a {ty}"),
+        Error::InvalidScalar { ty, .. } => format!("not a {}", ty.replace("floating point", "number")),
         Error::AliasError { error, .. } => message(error),
         other => UserMessageFormatter.format_message(other).into_owned(),
     }
@@ -95,6 +95,7 @@ fn help(error: &Error) -> String {
         Error::DuplicateMappingKey { .. } => "keep one of the two".to_owned(),
         Error::Budget { .. } => "split the problem: files may hold a few million values".to_owned(),
         Error::AliasError { error, .. } => help(error),
+        other if message(other).contains("tab") => "indent with spaces".to_owned(),
         _ => "`mrtamp schema problem` describes every key".to_owned(),
     }
 }

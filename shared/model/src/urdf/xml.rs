@@ -11,36 +11,41 @@ const MAX_NODES: u32 = 2_000_000;
 
 /// Parses a document whose root element is `robot`.
 pub(crate) fn parse<'a>(source: &'a Source, format: &str) -> Found<Document<'a>> {
-    refuse_xacro(source)?;
+    if source.path.ends_with(".xacro") {
+        return Err(xacro(source, 0));
+    }
     refuse_deep_nesting(source)?;
     let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
     let document = Document::parse_with_options(&source.text, options).map_err(|error| {
+        // The prefix is not declared in a file without its xacro header.
+        if let (roxmltree::Error::UnknownNamespace(..), Some(offset)) = (&error, source.text.find("<xacro:")) {
+            return xacro(source, offset);
+        }
         let at = error.pos();
         source
             .finding(offset_of(&source.text, at.row, at.col), FindingKind::Malformed, format!("not XML: {error}"))
             .help(format!("give a well-formed {format} file"))
     })?;
+    let macros = |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|name| name.contains("xacro"));
+    if let Some(node) = document.descendants().find(macros) {
+        return Err(xacro(source, node.range().start));
+    }
     let root = document.root_element();
-    if root.tag_name().name() != "robot" {
+    let tag = root.tag_name().name();
+    if tag != "robot" {
         return Err(source
-            .finding(
-                span(source, root),
-                FindingKind::Malformed,
-                format!("`<{}>` is not a {format} file", root.tag_name().name()),
-            )
+            .finding(span(source, root), FindingKind::Malformed, format!("`<{tag}>` is not a {format} file"))
             .help("the root element must be `<robot>`"));
     }
     Ok(document)
 }
 
-fn refuse_xacro(source: &Source) -> Found<()> {
-    let place = if source.path.ends_with(".xacro") { Some(0) } else { source.text.find("<xacro:") };
-    let Some(offset) = place else { return Ok(()) };
-    let plain = source.path.trim_end_matches(".xacro").trim_end_matches(".urdf");
+fn xacro(source: &Source, offset: usize) -> Box<crate::Finding> {
     let input = &source.path;
-    Err(source
-        .finding(Span { offset, len: 1 }, FindingKind::Malformed, "xacro macros are not expanded here")
-        .help(format!("expand them once and name the result: xacro {input} > {plain}.expanded.urdf")))
+    let plain = input.trim_end_matches(".xacro").trim_end_matches(".urdf");
+    source
+        .finding(Span { offset, len: 0 }, FindingKind::Malformed, "xacro macros are not expanded here")
+        .help(format!("expand them once and name the result: xacro {input} > {plain}.expanded.urdf"))
 }
 
 /// A cheap bound, before anything recursive sees the text: open tags minus closed ones.
@@ -132,7 +137,8 @@ pub(crate) fn check_numbers(source: &Source, node: Node<'_, '_>) -> Found<()> {
 
 fn bad_number(source: &Source, node: Node<'_, '_>, name: &str, text: &str, wanted: &str) -> Box<crate::Finding> {
     let tag = node.tag_name().name();
+    let xacro = if text.contains("${") { "; xacro expressions must be expanded first" } else { "" };
     source
         .finding(span(source, node), FindingKind::BadNumber, format!("`{name}` of `<{tag}>` is \"{text}\""))
-        .help(format!("give {wanted}"))
+        .help(format!("give {wanted}{xacro}"))
 }

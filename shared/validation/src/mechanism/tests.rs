@@ -7,6 +7,7 @@ use nalgebra::Isometry3;
 use plan::Knot;
 
 use super::{Mechanism, Posture, Rates};
+use crate::frame::Frame;
 use crate::random::Random;
 use crate::track::Track;
 
@@ -179,4 +180,50 @@ fn links_that_no_joint_parts_cannot_move_against_one_another() {
     let mechanism = Mechanism::new(&robot(joints, 1, None)).expect("a tree");
     assert!(!mechanism.can_move(LinkId(2), LinkId(3)));
     assert!(mechanism.can_move(LinkId(0), LinkId(3)));
+}
+
+fn joint_value(robot: &Robot, q: &[f64], opening: f64, joint: &ModelJoint) -> f64 {
+    match joint.value {
+        JointValue::Coordinate(id) => q[id.index()],
+        JointValue::Finger { scale } => scale * opening,
+        JointValue::Mimic { of, multiplier, offset } => {
+            multiplier * joint_value(robot, q, opening, &robot.joints[of.index()]) + offset
+        }
+        JointValue::Constant(value) => value,
+    }
+}
+
+/// Pose of a link by walking up to the root, in quaternions.
+fn walked(robot: &Robot, q: &[f64], opening: f64, link: LinkId) -> Pose {
+    let value = |joint: &ModelJoint| joint_value(robot, q, opening, joint);
+    let Some(joint) = robot.joints.iter().find(|joint| joint.child == link) else {
+        let Some(_) = robot.base else { return robot.world_from_base };
+        return robot.world_from_base * shift(q[0], q[1], 0.0) * Isometry3::rotation(nalgebra::Vector3::z() * q[2]);
+    };
+    let moved = match joint.motion {
+        JointMotion::Fixed => Pose::identity(),
+        JointMotion::Revolute { axis } => Isometry3::rotation(nalgebra::Vector3::from(axis) * value(joint)),
+        JointMotion::Prismatic { axis: [x, y, z] } => shift(x * value(joint), y * value(joint), z * value(joint)),
+    };
+    walked(robot, q, opening, joint.parent) * joint.parent_from_joint * moved
+}
+
+#[test]
+fn links_of_the_shipped_robots_are_where_walking_up_their_joints_puts_them() {
+    for scene in ["t00_one_arm", "t01_one_robot"] {
+        let path = format!("{}/../../launch/scenes/{scene}.yaml", env!("CARGO_MANIFEST_DIR"));
+        let problem = model::load_problem(&model::DiskFiles, &path).expect("a valid problem");
+        let robot = &problem.robots[0];
+        let (mechanism, mut posture) = (Mechanism::new(robot).expect("a tree"), Posture::default());
+        for seed in 0..100 {
+            let mut random = Random(seed);
+            let q: Vec<f64> = robot.coordinates.iter().map(|_| random.between(-2.0, 2.0)).collect();
+            mechanism.place(&q, 0.06, &mut posture);
+            for link in (0..robot.links.len()).map(LinkId::at) {
+                let (distance, angle) =
+                    posture.links[link.index()].difference(&Frame::of(&walked(robot, &q, 0.06, link)));
+                assert!(distance < 1e-12 && angle < 1e-12, "seed {seed}, link {link:?}: {distance} m, {angle} rad");
+            }
+        }
+    }
 }

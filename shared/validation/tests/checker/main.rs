@@ -7,5 +7,5 @@ mod random;
 mod robots;
 mod sampling;
 mod scenarios;
-mod size;
+mod shipped;
 mod valid;

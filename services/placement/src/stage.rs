@@ -1,0 +1,151 @@
+//! The stage: jobs in, candidates out.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::sync::Mutex;
+
+use collision::GeometryError;
+use contract::{
+    Answer, CauseTally, DiscoveredOrder, FailureReport, Interrupted, Job, JobContext, Outcome, Placed,
+    PlacementCandidate, PlacementJob, ProblemStatement, Request, Stage, StageKind,
+};
+use model::PairId;
+use plan::Cause;
+use skeleton::Skeleton;
+
+use crate::enumeration::Enumeration;
+use crate::layer::Solved;
+use crate::network::Stop;
+use crate::nogoods::Nogoods;
+use crate::proof::{self, proven};
+use crate::report;
+use crate::samples::{Paid, Samples};
+use crate::world::World;
+
+/// Most samples of one hop that a level may ask for.
+const MOST_SAMPLES: u64 = 1 << 14;
+/// Most candidates of one job.
+const MOST_CANDIDATES: u32 = 1 << 16;
+
+/// The placement stage.
+pub struct PlacementStage {
+    /// Or why there can be no placement, whatever the samples.
+    world: Result<World, FailureReport>,
+    /// Samples by level.
+    drawn: Mutex<BTreeMap<u32, Samples>>,
+}
+
+impl PlacementStage {
+    /// The stage for one statement.
+    ///
+    /// # Errors
+    /// When a shape of the problem is degenerate.
+    pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
+        let problem = &statement.problem;
+        let world = match Skeleton::of_problem(problem) {
+            Ok(skeleton) => {
+                let world = World::new(statement, &skeleton)?;
+                proof::impossible(problem, &world.layout).map_or(Ok(world), Err)
+            }
+            Err(cycle) => Err(proven(vec![report::cycle(problem, &cycle)])),
+        };
+        Ok(Self { world, drawn: Mutex::default() })
+    }
+
+    fn place(&self, job: &PlacementJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        let world = match &self.world {
+            Ok(world) => world,
+            Err(report) => return Ok(Outcome { result: Err(report.clone()), work: context.spent() }),
+        };
+        let samples = u64::from(world.problem().levels.placements).checked_shl(job.level).unwrap_or(u64::MAX);
+        if samples > MOST_SAMPLES || job.level > MOST_SAMPLES.ilog2() || job.count > MOST_CANDIDATES {
+            let (level, count) = (job.level, job.count);
+            return Err(Interrupted::Unfit(format!("level {level} or {count} candidates are too many")));
+        }
+        let mut drawn = self.drawn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut search = Search { world, job, count: samples as usize, found: Vec::new() };
+        let end = search.run(&mut drawn, context);
+        search.outcome(end, context.spent())
+    }
+}
+
+impl Stage for PlacementStage {
+    fn refine(&self, job: &Job, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        match &job.request {
+            Request::Placement(job) => self.place(job, context),
+            _ => Err(Interrupted::Unfit("not a job of the placement stage".to_owned())),
+        }
+    }
+}
+
+/// Work on one job.
+struct Search<'a> {
+    world: &'a World,
+    job: &'a PlacementJob,
+    /// Samples of each hop.
+    count: usize,
+    found: Vec<PlacementCandidate>,
+}
+
+impl Search<'_> {
+    /// Fills `found`. If there are no more candidates than that, says what stood in the way.
+    fn run(
+        &mut self,
+        drawn: &mut BTreeMap<u32, Samples>,
+        context: &mut JobContext<'_>,
+    ) -> Result<Option<CauseTally>, Stop> {
+        let samples = match drawn.entry(self.job.level) {
+            Entry::Occupied(known) => {
+                known.get().pay_again(context)?;
+                known.into_mut()
+            }
+            Entry::Vacant(gap) => gap.insert(Samples::draw(self.world, self.count, context)?),
+        };
+        let (problem, layout) = (self.world.problem(), &self.world.layout);
+        let nogoods = Nogoods::new(&self.job.nogoods, layout, self.count);
+        let free = samples.free.clone();
+        let mut enumeration = Enumeration::new(problem, layout, &free, nogoods);
+        let mut paid = Paid::new(self.world, samples, context);
+        for index in 0..self.job.first.saturating_add(self.job.count) {
+            let Some(solved) = enumeration.next(&mut paid)? else {
+                return Ok(Some(enumeration.into_causes(&paid.samples.rejected)));
+            };
+            if index >= self.job.first {
+                self.found.push(candidate(self.world, &paid.samples.poses, index, &solved));
+            }
+        }
+        Ok(None)
+    }
+
+    fn outcome(self, end: Result<Option<CauseTally>, Stop>, work: u64) -> Result<Outcome, Interrupted> {
+        let causes = match end {
+            Err(Stop::Interrupted(interrupted)) => return Err(interrupted),
+            Err(Stop::Budget) => {
+                let mut causes = CauseTally::default();
+                causes.count(Cause::Budget { stage: StageKind::Placement.name().to_owned() });
+                Some(causes)
+            }
+            Ok(causes) => causes.filter(|_| self.job.first == 0),
+        };
+        match causes {
+            Some(causes) if self.found.is_empty() => Ok(Outcome::soft_failure(causes, self.job.level, work)),
+            _ => Ok(Outcome::answer(Answer::Placements(self.found), work)),
+        }
+    }
+}
+
+fn candidate(world: &World, poses: &[Vec<model::Pose>], index: u32, solved: &Solved) -> PlacementCandidate {
+    let layout = &world.layout;
+    let placed = |pair: PairId| {
+        let site = layout.sites.iter().position(|site| site.placed_by == Some(pair))?;
+        let sample = solved.values[site];
+        Some(Placed { pair, sample: sample as u32, world_from_object: poses[site][sample] })
+    };
+    let orders = solved.orders.iter().map(|order| &layout.orders[*order]).map(|order| DiscoveredOrder {
+        before: order.before,
+        after: order.after,
+        cause: report::overlap(world.problem(), layout, order),
+    });
+    let pairs = (0..world.problem().pairs.len()).map(PairId::at);
+    PlacementCandidate { index, placements: pairs.filter_map(placed).collect(), orders: orders.collect() }
+}

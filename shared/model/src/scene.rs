@@ -24,9 +24,9 @@ pub struct MovableObject {
     pub body: Body,
     /// Where it stands at the start.
     pub world_from_start: Pose,
-    /// The region it stands in at the start, if its pose lies in one.
+    /// The fixed object that it stands on at the start.
     pub start_support: Option<FixedId>,
-    /// Grasps, for each robot (indexed by [`RobotId`]), in canonical order.
+    /// Grasps, for each robot (indexed by [`RobotId`]), in canonical order; none for robots that no pair has carry it.
     pub grasps: Vec<Vec<Grasp>>,
 }
 

@@ -176,7 +176,7 @@ fn grasps_put_the_object_between_the_fingers_and_not_into_the_palm() {
     let palm = robot.links.iter().position(|link| link.name == "hand").unwrap();
     let finger = robot.links.iter().position(|link| link.name == "left_finger").unwrap();
     for grasp in &carton.grasps[0] {
-        let poses = root_from_links(robot, &vec![0.0; 10], grasp.opening);
+        let poses = root_from_links(robot, &[0.0; 10], grasp.opening);
         let object = poses[hand.parent_link.index()] * grasp.link_from_object;
         let to = |link: usize| distance(&object, &carton.body, &poses[link], &robot.links[link].bodies[0]);
         assert!(to(palm) > 0.001, "{grasp:?} is {} from the palm", to(palm));

@@ -1,5 +1,7 @@
 //! The scenes that come with the program.
 
+mod support;
+
 use model::{DiskFiles, FixedId, ObjectId, Problem, load_problem};
 
 fn scene(name: &str) -> miette::Result<Problem> {
@@ -57,4 +59,30 @@ fn the_cabinet_region_lies_on_its_floor_not_on_its_roof() {
     let problem = scene("figure1").unwrap();
     let w4 = problem.regions.iter().find(|region| region.name == "w4").unwrap();
     assert!((w4.world_from_region.translation.z - 0.6265).abs() < 1e-12);
+}
+
+#[test]
+fn ten_thousand_objects_and_as_many_pairs_are_read() {
+    let mut files = support::good();
+    let mut text = String::from("robots:\n");
+    for robot in 0..10 {
+        text += &format!("  - {{name: r{robot}, urdf: ../robots/mm10.urdf, srdf: ../robots/mm10.srdf, tool: tool,\n");
+        text += "     base: {x: [-9, 200], y: [-9, 200], speed: 1, yaw_rate: 1}}\n";
+    }
+    text += "fixed:\n  - {name: floor, shape: {box: [300, 300, 1]}, pose: {xyz: [0, 0, -0.5]}}\n";
+    text += "regions:\n  - {name: hall, on: floor, size: [250, 250]}\nmovable:\n";
+    for object in 0..10_000 {
+        let (x, y) = (object / 100, object % 100);
+        text += &format!("  - {{name: m{object}, shape: {{box: [0.1, 0.1, 0.1]}}, pose: {{xyz: [{x}, {y}, 0.05]}}}}\n");
+    }
+    text += "task:\n";
+    for robot in 0..10 {
+        text += &format!("  r{robot}:\n");
+        for object in 0..1_000 {
+            text += &format!("    - {{object: m{}, from: hall, to: hall}}\n", robot * 1_000 + object);
+        }
+    }
+    files.0.insert(support::PROBLEM.to_owned(), text.into_bytes());
+    let problem = load_problem(&files, support::PROBLEM).unwrap();
+    assert_eq!((problem.movable.len(), problem.pairs.len()), (10_000, 10_000));
 }

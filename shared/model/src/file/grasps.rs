@@ -1,5 +1,7 @@
 //! Grasps of a problem, for each object and robot.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use super::at::At;
@@ -9,17 +11,20 @@ use super::syntax::{GraspFile, MovableFile};
 use super::words::GraspEntry;
 use crate::grasp_families::{HandDepth, side_grasps, take_turns, top_grasps};
 use crate::problem_error::{FindingKind, Found, Source};
-use crate::{Grasp, GraspFamily, MovableObject, Robot};
+use crate::{Grasp, GraspFamily, MovableObject, Robot, RobotId};
 
 /// Most entries of a list of grasps.
 const MAX_ENTRIES: usize = 10_000;
 
-/// The grasps of one object, for each robot, in canonical order.
+/// The grasps of one object, for each robot, in canonical order; none for robots that do not carry it.
+///
+/// The first robot's are worked out in any case, so that what is wrong with an object that nobody carries is told too.
 pub(crate) fn grasps(
     source: &Source,
     file: &MovableFile,
     object: &MovableObject,
     robots: &[Robot],
+    carriers: &BTreeSet<RobotId>,
 ) -> Found<Vec<Vec<Grasp>>> {
     let entries = file.grasps.as_ref().map(|at| at.value.0.as_slice());
     if let (Some(at), Some(entries)) = (&file.grasps, entries)
@@ -30,7 +35,15 @@ pub(crate) fn grasps(
             .help(format!("give 1 to {MAX_ENTRIES}, or leave `grasps` out for both families")));
     }
     let names = Names::new("robot", robots.iter().map(|robot| robot.name.as_str()));
-    robots.iter().map(|robot| for_robot(source, entries, object, robot, &names)).collect()
+    let mut grasps = vec![Vec::new(); robots.len()];
+    for (index, robot) in robots.iter().enumerate() {
+        let carries = carriers.contains(&RobotId::at(index));
+        if carries || index == 0 {
+            let known = for_robot(source, entries, object, robot, &names)?;
+            grasps[index] = if carries { known } else { Vec::new() };
+        }
+    }
+    Ok(grasps)
 }
 
 fn for_robot(

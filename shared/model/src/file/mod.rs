@@ -18,8 +18,10 @@ mod syntax;
 mod task;
 mod words;
 
+use std::collections::BTreeSet;
+
 use crate::problem_error::{FindingKind, Findings, Found, ProblemError, Source, Span};
-use crate::{Files, FixedObject, MovableObject, Problem, Region, Robot, Settings};
+use crate::{Files, FixedObject, GivenOrdering, MovableObject, Problem, Region, Robot, Settings};
 
 pub(crate) use names::did_you_mean;
 pub(crate) use numbers::GREATEST;
@@ -47,12 +49,8 @@ pub fn load_problem(files: &dyn Files, path: &str) -> Result<Problem, ProblemErr
     let settings = settings::settings(&source, file.settings.as_ref())?;
     let levels = settings::levels(&source, file.levels.as_ref())?;
     let mut scene = scene(files, &source, &file, &settings)?;
-    grasps(&source, &file, &mut scene)?;
-    let nouns = task::Nouns::of(&scene.robots, &scene.movable, &scene.regions);
-    let mut pairs = task::pairs(&source, &file.task, &nouns, MAX_PAIRS)?;
-    let orderings = task::orderings(&source, &file.orderings, &pairs)?;
-    task::hops(&source, &mut pairs, &nouns, &orderings)?;
-    cycle::refuse_cycle(&source, &file.orderings, &pairs, &orderings)?;
+    let (pairs, orderings) = task(&source, &file, &scene)?;
+    grasps(&source, &file, &pairs, &mut scene)?;
     supports(&source, &file, &pairs, &mut scene, &settings)?;
     let stem = path.rsplit('/').next().unwrap_or(path);
     Ok(Problem {
@@ -138,14 +136,29 @@ fn scene(files: &dyn Files, source: &Source, file: &ProblemFile, settings: &Sett
     Ok(scene)
 }
 
-fn grasps(source: &Source, file: &ProblemFile, scene: &mut Scene) -> Result<(), ProblemError> {
+/// Pairs with their hops, and orderings that do not contradict them.
+fn task(source: &Source, file: &ProblemFile, scene: &Scene) -> Result<(task::Pairs, Vec<GivenOrdering>), ProblemError> {
+    let nouns = task::Nouns::of(&scene.robots, &scene.movable, &scene.regions);
+    let mut pairs = task::pairs(source, &file.task, &nouns, MAX_PAIRS)?;
+    let orderings = task::orderings(source, &file.orderings, &pairs)?;
+    task::hops(source, &mut pairs, &nouns, &orderings)?;
+    cycle::refuse_cycle(source, &file.orderings, &pairs, &orderings)?;
+    Ok((pairs, orderings))
+}
+
+fn grasps(source: &Source, file: &ProblemFile, pairs: &task::Pairs, scene: &mut Scene) -> Result<(), ProblemError> {
     let mut findings = Findings::default();
-    for (entry, object) in file.movable.iter().zip(&mut scene.movable) {
-        if let Some(grasps) = findings.keep(grasps::grasps(source, entry, object, &scene.robots)) {
+    let mut carriers = vec![BTreeSet::new(); scene.movable.len()];
+    for pair in &pairs.pairs {
+        carriers[pair.object.index()].insert(pair.robot);
+    }
+    for ((entry, object), carriers) in file.movable.iter().zip(&mut scene.movable).zip(&carriers) {
+        if let Some(grasps) = findings.keep(grasps::grasps(source, entry, object, &scene.robots, carriers)) {
             object.grasps = grasps;
         }
     }
-    findings.end()
+    findings.end()?;
+    task::check_grasps(source, pairs, &scene.robots, &scene.movable)
 }
 
 fn supports(

@@ -39,6 +39,7 @@ pub(crate) struct ProblemFile {
 /// A robot: its description files and what they do not say.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Robot")]
 pub(crate) struct RobotFile {
     /// Unique name.
     pub name: At<String>,
@@ -65,6 +66,7 @@ pub(crate) struct RobotFile {
 /// Limits and speeds of a planar base.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Base")]
 pub(crate) struct BaseFile {
     /// Least and greatest x (m).
     pub x: At<[f64; 2]>,
@@ -79,6 +81,7 @@ pub(crate) struct BaseFile {
 /// A pose: position, and orientation as roll-pitch-yaw or as a quaternion.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Pose")]
 pub(crate) struct PoseFile {
     /// Position (m). Default: the origin.
     pub xyz: Option<At<[f64; 3]>>,
@@ -91,6 +94,7 @@ pub(crate) struct PoseFile {
 /// A shape about its own origin.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "Shape")]
 pub(crate) enum ShapeFile {
     /// Full edge lengths along x, y, z (m).
     Box(At<[f64; 3]>),
@@ -107,6 +111,7 @@ pub(crate) enum ShapeFile {
 /// A sphere.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Sphere")]
 pub(crate) struct SphereFile {
     /// Radius (m).
     pub radius: At<f64>,
@@ -115,6 +120,7 @@ pub(crate) struct SphereFile {
 /// A cylinder along z, centred.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Cylinder")]
 pub(crate) struct CylinderFile {
     /// Radius (m).
     pub radius: At<f64>,
@@ -125,6 +131,7 @@ pub(crate) struct CylinderFile {
 /// A capsule along z, centred.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Capsule")]
 pub(crate) struct CapsuleFile {
     /// Radius (m).
     pub radius: At<f64>,
@@ -135,6 +142,7 @@ pub(crate) struct CapsuleFile {
 /// A mesh, which means its convex hull.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Mesh")]
 pub(crate) struct MeshFile {
     /// STL, OBJ or DAE file, relative to this file, or `package://name/path`.
     pub file: At<String>,
@@ -145,6 +153,7 @@ pub(crate) struct MeshFile {
 /// One shape of several.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Part")]
 pub(crate) struct PartFile {
     /// The shape.
     pub shape: At<ShapeFile>,
@@ -155,6 +164,7 @@ pub(crate) struct PartFile {
 /// A fixed object: one shape, or several parts.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Fixed")]
 pub(crate) struct FixedFile {
     /// Unique name.
     pub name: At<String>,
@@ -169,6 +179,7 @@ pub(crate) struct FixedFile {
 /// A movable object. It stands upright: its z axis points up.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Movable")]
 pub(crate) struct MovableFile {
     /// Unique name.
     pub name: At<String>,
@@ -183,6 +194,7 @@ pub(crate) struct MovableFile {
 /// One grasp.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Grasp")]
 pub(crate) struct GraspFile {
     /// Pose of the object in the frame of the end effector's parent link.
     pub link_from_object: At<PoseFile>,
@@ -197,6 +209,7 @@ pub(crate) struct GraspFile {
 /// A rectangle on a fixed object where movable objects may stand.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Region")]
 pub(crate) struct RegionFile {
     /// Unique name.
     pub name: At<String>,
@@ -215,6 +228,7 @@ pub(crate) struct RegionFile {
 /// One pick-and-place.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Pair")]
 pub(crate) struct PairFile {
     /// The object.
     pub object: At<String>,
@@ -229,6 +243,7 @@ pub(crate) struct PairFile {
 /// One point in time strictly before another.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Ordering")]
 pub(crate) struct OrderingFile {
     /// What comes first.
     pub before: At<PointFile>,

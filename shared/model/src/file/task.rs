@@ -85,16 +85,27 @@ fn pair(source: &Source, entry: &At<PairFile>, nouns: &Nouns<'_>, robot: RobotId
         Some(at) => super::numbers::name(source, at, "pair")?.to_owned(),
         None => format!("{}.{number}", nouns.robots[robot.index()].name),
     };
-    let held = &nouns.movable[object];
-    if held.grasps[robot.index()].is_empty() {
-        let robot = &nouns.robots[robot.index()];
-        let message = format!("`{}` has no grasp for `{}`", robot.name, held.name);
-        return Err(source.finding(entry.object.span, FindingKind::BadTask, message).help(format!(
-            "its hand opens {} m; allow another family or list a grasp",
-            robot.end_effector.max_opening
-        )));
-    }
     Ok(Pair { name, robot, object: ObjectId::at(object), from: RegionId::at(from), to: RegionId::at(to), hop: 0 })
+}
+
+/// Checks that every robot can hold what it carries.
+pub(crate) fn check_grasps(
+    source: &Source,
+    pairs: &Pairs,
+    robots: &[Robot],
+    movable: &[MovableObject],
+) -> Result<(), ProblemError> {
+    let mut findings = Findings::default();
+    for (pair, span) in pairs.pairs.iter().zip(&pairs.spans) {
+        let (robot, object) = (&robots[pair.robot.index()], &movable[pair.object.index()]);
+        if object.grasps[pair.robot.index()].is_empty() {
+            let message = format!("`{}` has no grasp for `{}`", robot.name, object.name);
+            let opening = robot.end_effector.max_opening;
+            let help = format!("its hand opens {opening} m; allow another family or list a grasp");
+            findings.keep::<()>(Err(source.finding(*span, FindingKind::BadTask, message).help(help)));
+        }
+    }
+    findings.end()
 }
 
 fn unique(source: &Source, pairs: &Pairs) -> Found<()> {

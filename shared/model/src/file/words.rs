@@ -49,7 +49,7 @@ pub(crate) struct PointFile {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(rename = "Point")]
+#[schemars(rename = "PairAndPoint")]
 struct PointMap {
     /// Name of the pair.
     pair: String,

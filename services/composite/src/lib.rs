@@ -6,10 +6,14 @@
 //!
 //! Times are in seconds, configurations in m and rad.
 
+mod assemble;
+mod commit;
 pub mod conflict;
 pub mod drrt;
+mod points;
 mod prefix;
 pub mod scene;
+mod sipp;
 mod stage;
 pub mod timeline;
 

@@ -2,6 +2,8 @@
 
 use contract::{Composition, Interrupted, Job, JobContext, Outcome, ProblemStatement, Request, Stage};
 
+use crate::assemble::AssembleJob;
+use crate::commit::CommitJob;
 use crate::{CompositeError, Scene, drrt};
 
 /// The paper's fourth step.
@@ -25,12 +27,15 @@ impl Stage for CompositeStage {
             return Err(Interrupted::Unfit(format!("a job of stage {} came to composite", job.stage())));
         };
         self.scene.conflicts.forget_if_large();
+        let (scene, assignment) = (&self.scene, &compose.assignment);
         match &compose.composition {
-            Composition::Drrt { prefix, roadmaps } => {
-                drrt::refine(&self.scene, &compose.assignment, *prefix, roadmaps, context)
+            Composition::CommitMode { prefix, mode, roadmap, next_roadmap } => {
+                let (prefix, mode, roadmap, next_roadmap) = (*prefix, *mode, *roadmap, *next_roadmap);
+                CommitJob { scene, assignment, prefix, mode, roadmap, next_roadmap }.answer(context)
             }
-            Composition::CommitMode { .. } | Composition::Assemble { .. } => {
-                Err(Interrupted::Unfit("not written yet".into()))
+            Composition::Drrt { prefix, roadmaps } => drrt::refine(scene, assignment, *prefix, roadmaps, context),
+            Composition::Assemble { prefix, shortest_s } => {
+                AssembleJob { scene, assignment, prefix: *prefix, shortest_s }.answer(context)
             }
         }
     }

@@ -13,6 +13,9 @@ const MANY_CELLS: usize = 2_000_000;
 /// Sweeps kept at once; beyond it they are made anew.
 const MANY_SWEEPS: usize = 40_000;
 
+/// Grid (rad) of unbounded coordinates: far below any clearance, far above the rounding of a few turns.
+const ANGLE_GRID: f64 = 1.0 / (1_u64 << 36) as f64;
+
 #[derive(PartialEq, Eq, Hash)]
 struct MotionKey {
     robot: RobotId,
@@ -57,16 +60,14 @@ impl Memo {
     }
 
     pub fn travel(&mut self, geometry: &Geometry, motion: &Motion) -> Travel {
-        let reversed = is_after(&motion.from, &motion.to);
-        let (from, to) = if reversed { (&motion.to, &motion.from) } else { (&motion.from, &motion.to) };
+        let (canonical, reversed) = canonical(geometry, motion);
         let bits = |q: &[f64]| q.iter().map(|x| (x + 0.0).to_bits()).collect();
         let Motion { robot, holding, allowed, .. } = *motion;
-        let key = MotionKey { robot, holding, from: bits(from), to: bits(to), allowed };
+        let key = MotionKey { robot, holding, from: bits(&canonical.from), to: bits(&canonical.to), allowed };
         let next = u32::try_from(self.motions.len()).unwrap_or(u32::MAX);
         let id = *self.ids.entry(key).or_insert(next);
         if id == next {
-            let known = Motion { robot, holding, from: from.clone(), to: to.clone(), allowed };
-            self.note(geometry, known);
+            self.note(geometry, canonical);
         }
         let known = &self.motions[id as usize];
         Travel { robot, holding, cells: known.cells, bounds: known.bounds, motion: id, reversed }
@@ -163,6 +164,27 @@ fn between(motion: &Motion, cell: u32, cells: u32) -> Vec<f64> {
     }
     let share = f64::from(cell) / f64::from(cells);
     motion.from.iter().zip(&motion.to).map(|(a, b)| a + (b - a) * share).collect()
+}
+
+/// The one motion that stands for all that differ from it by their direction or by whole turns of unbounded coordinates,
+/// and whether it runs the other way. Unbounded coordinates are rounded to [`ANGLE_GRID`], so that adding and taking off
+/// turns does not matter.
+fn canonical(geometry: &Geometry, motion: &Motion) -> (Motion, bool) {
+    let robot = geometry.problem().robot(motion.robot);
+    let (mut from, mut to) = (motion.from.clone(), motion.to.clone());
+    for (i, coordinate) in robot.coordinates.iter().enumerate().filter(|(_, c)| !c.upper.is_finite()) {
+        if let (true, Some(from), Some(to)) = (coordinate.lower == f64::NEG_INFINITY, from.get_mut(i), to.get_mut(i)) {
+            let middle = (*from + *to) / 2.0;
+            let turns = std::f64::consts::TAU * (middle / std::f64::consts::TAU).round();
+            let on_grid = |x: f64| ((x - turns) / ANGLE_GRID).round() * ANGLE_GRID;
+            (*from, *to) = (on_grid(*from), on_grid(*to));
+        }
+    }
+    let reversed = is_after(&from, &to);
+    if reversed {
+        std::mem::swap(&mut from, &mut to);
+    }
+    (Motion { from, to, ..motion.clone() }, reversed)
 }
 
 /// Whether `a` comes after `b` in the order of their first differing coordinate.

@@ -36,6 +36,12 @@ pub struct Travel {
 }
 
 impl Travel {
+    /// The same motion travelled the other way.
+    #[must_use]
+    pub fn back(self) -> Self {
+        Self { reversed: !self.reversed, ..self }
+    }
+
     fn canonical(&self, cell: u32) -> u32 {
         if self.reversed { self.cells - 1 - cell } else { cell }
     }

@@ -1,0 +1,339 @@
+//! Commits one mode: safe-interval search to its event, with a safe tail behind it.
+
+mod gates;
+mod moves;
+
+use contract::{
+    Answer, Assignment, CauseTally, Commitment, EdgeKind, Interrupted, JobContext, Move, Outcome, Prefix, Product,
+    ProductRef, VertexId,
+};
+use model::{Configuration, Holding, Standing};
+use plan::{BodyRef, Cause};
+use skeleton::{Mode, ModeId, Occupancy};
+
+pub(crate) use gates::Orders;
+use moves::Mover;
+
+use crate::points::same_configuration;
+use crate::sipp::{Blocker, Gates, ModeGraph, Search, Traffic};
+use crate::{Scene, Timeline, load_prefix};
+
+/// Time (s) for an event where the robot is already: it must come strictly after what it waits for.
+const INSTANT_S: f64 = 1e-6;
+/// Gap in time (s) kept from motions that a placed object would be in the way of.
+const GAP_S: f64 = 2e-9;
+
+/// What to commit, and what is known.
+pub(crate) struct CommitJob<'a> {
+    pub scene: &'a Scene,
+    pub assignment: &'a Assignment,
+    pub prefix: Option<ProductRef>,
+    pub mode: ModeId,
+    pub roadmap: ProductRef,
+    pub next_roadmap: Option<ProductRef>,
+}
+
+/// Where a search begins.
+struct Start {
+    vertex: VertexId,
+    /// Since when the robot stands there (s).
+    since_s: f64,
+    /// Moves up to there.
+    mover: Mover,
+}
+
+/// Why a mode was not committed.
+enum Unreached {
+    Interrupted(Interrupted),
+    Because(Vec<Cause>),
+}
+
+impl From<Interrupted> for Unreached {
+    fn from(interrupted: Interrupted) -> Self {
+        Self::Interrupted(interrupted)
+    }
+}
+
+impl CommitJob<'_> {
+    /// The longer prefix, or who is in the way.
+    pub fn answer(&self, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        let timeline = Timeline::new(self.scene, self.assignment, load_prefix(context, self.prefix)?)?;
+        let mode = self.mode(&timeline)?;
+        match self.commit(&mode, &timeline, context) {
+            Ok(commitment) => {
+                let event_s = commitment.event_s;
+                let tail_s = commitment.tail.last().map_or(event_s, |last| last.ends_s);
+                let prefix = Prefix { parent: self.prefix, commitments: vec![commitment] };
+                let prefix = context.publish(&Product::Prefix(prefix))?;
+                Ok(Outcome::answer(Answer::Committed { prefix, event_s, tail_s }, context.spent()))
+            }
+            Err(Unreached::Interrupted(interrupted)) => Err(interrupted),
+            Err(Unreached::Because(causes)) => {
+                let mut tally = CauseTally::default();
+                causes.into_iter().for_each(|cause| tally.count(cause));
+                Ok(Outcome::soft_failure(tally, 0, context.spent()))
+            }
+        }
+    }
+
+    /// The mode, which must be its robot's next.
+    fn mode(&self, timeline: &Timeline) -> Result<Mode, Interrupted> {
+        let modes = self.scene.skeleton.modes.get(self.mode.robot.index());
+        let mode = modes.and_then(|modes| modes.get(self.mode.step as usize));
+        let mode = *mode.ok_or_else(|| Interrupted::Unfit(format!("there is no mode {:?}", self.mode)))?;
+        let committed = timeline.robot(self.mode.robot).commitments.len();
+        if self.mode.step as usize != committed {
+            return Err(Interrupted::Unfit(format!("mode {:?} is not its robot's next: {committed} is", self.mode)));
+        }
+        if mode.ends.is_some() != self.next_roadmap.is_some() {
+            return Err(Interrupted::Unfit(
+                "a mode that ends with an event needs the next roadmap, no other does".into(),
+            ));
+        }
+        Ok(mode)
+    }
+
+    fn commit(&self, mode: &Mode, timeline: &Timeline, context: &mut JobContext<'_>) -> Result<Commitment, Unreached> {
+        let graph = ModeGraph::load(self.scene.problem(), mode.id, &self.roadmap, context)?;
+        if graph.roadmap.holding != self.holding(mode)? {
+            return Err(Interrupted::Unfit("the roadmap holds something else than the mode".into()).into());
+        }
+        let order = self.scene.graph(self.assignment)?;
+        let orders = Orders { scene: self.scene, graph: &order, timeline };
+        if let Some(event) = orders.lacks_event(mode) {
+            let event = event.describe(self.scene.problem());
+            return Err(Interrupted::Unfit(format!("{event} comes before and is not committed")).into());
+        }
+        let gates = orders.gates(mode).map_err(|robots| Unreached::Because(vec![self.deadlock(&robots)]))?;
+        let start = self.start(mode, &graph, &orders)?;
+        let own = timeline.robot(mode.id.robot);
+        let traffic = Traffic::new(&self.scene.conflicts, timeline, mode.id.robot, own.event_s());
+        let gates = self.settle_gates(mode, gates, &graph, &traffic, &start)?;
+        let next = match &self.next_roadmap {
+            Some(next) => Some(ModeGraph::load(self.scene.problem(), next_of(mode.id), next, context)?),
+            None => None,
+        };
+        self.search(mode, &graph, next.as_ref(), &traffic, timeline, gates, start, context)
+    }
+
+    /// Where the search begins: after the hand's pause, or after the part of the tail that others count on.
+    fn start(&self, mode: &Mode, graph: &ModeGraph<'_>, orders: &Orders<'_>) -> Result<Start, Interrupted> {
+        let own = orders.timeline.robot(mode.id.robot);
+        let start = graph.roadmap.start;
+        let Some(last) = own.commitments.last() else {
+            return begin_at(graph, start, 0.0, Mover::new(graph.robot.start.clone(), 0.0));
+        };
+        let event_at = last.moves.last().map_or_else(|| graph.robot.start.clone(), |step| step.to.clone());
+        let frozen = orders.frozen_len(mode, &last.tail);
+        let mut mover = Mover::new(event_at, last.event_s);
+        if frozen > 0 {
+            mover.moves = last.tail[..frozen].to_vec();
+            if let Some(step) = mover.moves.last() {
+                (mover.at, mover.time_s) = (step.to.clone(), step.ends_s);
+            }
+            let vertex = graph.vertex_at(&mover.at);
+            let vertex = vertex.ok_or_else(|| Interrupted::Unfit("the tail does not end on the roadmap".into()))?;
+            return begin_at(graph, vertex, mover.time_s, mover);
+        }
+        if mode.begins.is_some() {
+            let until_s = mover.time_s + self.scene.problem().settings.grip_time;
+            mover.stand(until_s, EdgeKind::Arm, graph.allowed_at(start));
+        }
+        begin_at(graph, start, last.event_s, mover)
+    }
+
+    /// Adds what depends on where the mode begins and ends.
+    fn settle_gates(
+        &self,
+        mode: &Mode,
+        mut gates: Gates,
+        graph: &ModeGraph<'_>,
+        traffic: &Traffic<'_>,
+        start: &Start,
+    ) -> Result<Gates, Unreached> {
+        if graph.same_stand(start.vertex, graph.roadmap.goal) {
+            gates.fold_s = gates.fold_s.max(gates.arrive_s);
+        }
+        // An arm that is folded already cannot be folded later.
+        if gates.fold_s >= start.mover.time_s && (mode.begins.is_none() || graph.is_folded(start.vertex)) {
+            return Err(Unreached::Because(vec![self.deadlock(&[])]));
+        }
+        if let Some((ends_s, robot)) = self.placed(mode)?.and_then(|placed| traffic.last_through(&placed)) {
+            if ends_s == f64::INFINITY {
+                return Err(Unreached::Because(vec![self.deadlock(&[robot])]));
+            }
+            gates.goal_s = gates.goal_s.max(ends_s + GAP_S);
+        }
+        Ok(gates)
+    }
+
+    fn search(
+        &self,
+        mode: &Mode,
+        graph: &ModeGraph<'_>,
+        next: Option<&ModeGraph<'_>>,
+        traffic: &Traffic<'_>,
+        timeline: &Timeline,
+        gates: Gates,
+        start: Start,
+        context: &mut JobContext<'_>,
+    ) -> Result<Commitment, Unreached> {
+        let goal = graph.roadmap.goal;
+        let conflicts = &self.scene.conflicts;
+        let bound_s = graph.times_to(goal);
+        let Start { vertex, since_s, mover: before } = start;
+        let mut search = Search::new(graph, traffic, conflicts, gates, bound_s, (vertex, since_s, before.time_s));
+        let mut in_the_way = Vec::new();
+        while let Some(index) = search.next() {
+            self.spend(context)?;
+            let state = search.state(index);
+            if state.vertex != goal {
+                continue;
+            }
+            let (path, interval) = (search.path(index), search.interval(&state));
+            let mut mover = before.clone();
+            mover.follow(graph, &path);
+            if mode.ends.is_some() && path.is_empty() {
+                let begins_s = state.time_s.max(gates.goal_s);
+                mover.stand(begins_s, EdgeKind::Arm, graph.allowed_at(goal));
+                mover.stand(begins_s + INSTANT_S, EdgeKind::Arm, graph.allowed_at(goal));
+            }
+            if !interval.contains(mover.time_s) {
+                continue;
+            }
+            let Some(next) = next else {
+                if interval.until_s == f64::INFINITY {
+                    let (holding, event_s) = (graph.roadmap.holding, mover.time_s);
+                    let (moves, tail) = (mover.moves, Vec::new());
+                    return Ok(Commitment { mode: mode.id, holding, moves, event_s, tail, tail_holding: holding });
+                }
+                continue;
+            };
+            let after = self.traffic_after(mode, timeline, mover.time_s)?;
+            if let Some(tail) = self.tail(next, &after, &mover.at, mover.time_s, context)? {
+                let (holding, tail_holding, event_s) = (graph.roadmap.holding, next.roadmap.holding, mover.time_s);
+                return Ok(Commitment { mode: mode.id, holding, moves: mover.moves, event_s, tail, tail_holding });
+            }
+            in_the_way.extend(after.blamed());
+        }
+        in_the_way.extend(traffic.blamed());
+        Err(Unreached::Because(self.causes(mode, &in_the_way)))
+    }
+
+    /// The traffic after the mode's event.
+    fn traffic_after<'a>(
+        &'a self,
+        mode: &Mode,
+        timeline: &'a Timeline,
+        event_s: f64,
+    ) -> Result<Traffic<'a>, Interrupted> {
+        let mut traffic = Traffic::new(&self.scene.conflicts, timeline, mode.id.robot, event_s);
+        match (self.placed(mode)?, mode.pair) {
+            (Some(placed), _) => traffic.put(placed, event_s),
+            (None, Some(pair)) => traffic.take(self.scene.problem().pair(pair).object, event_s),
+            (None, None) => {}
+        }
+        Ok(traffic)
+    }
+
+    /// From the event to a place to stand for ever: the best parking vertex that can be reached, else any vertex.
+    fn tail(
+        &self,
+        graph: &ModeGraph<'_>,
+        traffic: &Traffic<'_>,
+        at: &Configuration,
+        event_s: f64,
+        context: &mut JobContext<'_>,
+    ) -> Result<Option<Vec<Move>>, Unreached> {
+        let start = graph.roadmap.start;
+        let Start { mut mover, .. } = begin_at(graph, start, event_s, Mover::new(at.clone(), event_s))?;
+        mover.stand(event_s + self.scene.problem().settings.grip_time, EdgeKind::Arm, graph.allowed_at(start));
+        let best = graph.roadmap.parking.first().copied().unwrap_or(start);
+        let bound_s = graph.times_to(best).into_iter().map(|time| if time.is_finite() { time } else { 0.0 }).collect();
+        let conflicts = &self.scene.conflicts;
+        let mut search = Search::new(graph, traffic, conflicts, Gates::OPEN, bound_s, (start, event_s, mover.time_s));
+        let rank = |vertex: VertexId| graph.roadmap.parking.iter().position(|parking| *parking == vertex);
+        let mut found: Option<(usize, u64, usize)> = None;
+        while let Some(index) = search.next() {
+            self.spend(context)?;
+            let state = search.state(index);
+            if search.interval(&state).until_s < f64::INFINITY {
+                continue;
+            }
+            let here = (rank(state.vertex).unwrap_or(usize::MAX), state.time_s.to_bits(), index);
+            found = Some(found.map_or(here, |so_far| so_far.min(here)));
+            if here.0 == 0 {
+                break;
+            }
+        }
+        let Some((_, _, index)) = found else { return Ok(None) };
+        mover.follow(graph, &search.path(index));
+        let vertex = search.state(index).vertex;
+        mover.rest(EdgeKind::Arm, graph.allowed_at(vertex));
+        Ok(Some(mover.moves))
+    }
+
+    fn spend(&self, context: &mut JobContext<'_>) -> Result<(), Unreached> {
+        if context.spend(1)? {
+            return Ok(());
+        }
+        Err(Unreached::Because(vec![Cause::Budget { stage: "composite".into() }]))
+    }
+
+    /// What the robot holds in a mode.
+    fn holding(&self, mode: &Mode) -> Result<Option<Holding>, Interrupted> {
+        let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
+        let grasp = self.assignment.grasps.get(pair.index());
+        let grasp = *grasp.ok_or_else(|| Interrupted::Unfit("the assignment lacks a grasp".into()))?;
+        Ok(Some(Holding { object: self.scene.problem().pair(pair).object, grasp }))
+    }
+
+    /// The object that the mode's event puts down, where it then stands.
+    fn placed(&self, mode: &Mode) -> Result<Option<Standing>, Interrupted> {
+        let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
+        let occupancy: Occupancy = self.scene.skeleton.placed(self.scene.problem(), pair);
+        self.scene.standing(self.assignment, occupancy).map(Some)
+    }
+
+    fn deadlock(&self, others: &[model::RobotId]) -> Cause {
+        let problem = self.scene.problem();
+        let mut robots = vec![self.mode.robot];
+        robots.extend(others);
+        robots.sort_unstable();
+        robots.dedup();
+        Cause::Deadlock { robots: robots.into_iter().map(|robot| problem.robot(robot).name.clone()).collect() }
+    }
+
+    /// Robots in the way are a deadlock; objects (or nobody at all) leave no path.
+    fn causes(&self, mode: &Mode, in_the_way: &[Blocker]) -> Vec<Cause> {
+        let problem = self.scene.problem();
+        let robots: Vec<_> = in_the_way.iter().filter_map(Blocker::robot).collect();
+        let mut objects: Vec<_> = in_the_way.iter().filter_map(Blocker::object).collect();
+        objects.sort_unstable();
+        objects.dedup();
+        let mut causes = Vec::new();
+        if !objects.is_empty() || robots.is_empty() {
+            causes.push(Cause::NoPath {
+                pair: mode.pair.map(|pair| problem.pair(pair).name.clone()),
+                robot: problem.robot(mode.id.robot).name.clone(),
+                blocking: objects.iter().map(|m| BodyRef::Object(problem.movable[m.index()].name.clone())).collect(),
+            });
+        }
+        if !robots.is_empty() {
+            causes.push(self.deadlock(&robots));
+        }
+        causes
+    }
+}
+
+fn begin_at(graph: &ModeGraph<'_>, vertex: VertexId, since_s: f64, mover: Mover) -> Result<Start, Interrupted> {
+    if same_configuration(graph.robot, graph.vertex(vertex), &mover.at) {
+        Ok(Start { vertex, since_s, mover })
+    } else {
+        Err(Interrupted::Unfit("the roadmap does not begin where the robot is".into()))
+    }
+}
+
+fn next_of(mode: ModeId) -> ModeId {
+    ModeId { step: mode.step + 1, ..mode }
+}

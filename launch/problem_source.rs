@@ -19,6 +19,12 @@ static BUILT_IN: EmbeddedFiles = EmbeddedFiles(embedded![
     "robots/fa7.srdf",
     "scenes/figure1.yaml",
     "scenes/figure1_slots.yaml",
+    "scenes/t00_one_arm.yaml",
+    "scenes/t01_one_robot.yaml",
+    "scenes/t02_far_apart.yaml",
+    "scenes/t03_relay.yaml",
+    "scenes/t04_spacious_region.yaml",
+    "scenes/t05_tiny_region.yaml",
 ]);
 
 /// The scene that is planned when none is named.

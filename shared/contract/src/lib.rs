@@ -32,7 +32,7 @@ pub use job_ids::JobIds;
 pub use ledger::{Decision, Ledger, LedgerEntry};
 pub use outcome::{Answer, CauseTally, FailureReport, Literal, Nogood, Outcome, Soundness};
 pub use product::{Digest, MemoryProducts, Product, ProductRef, Products};
-pub use random::{RandomStream, halton};
+pub use random::{RandomStream, SampleValues, halton};
 pub use roadmap::{Edge, EdgeKind, ModeRoadmap, RoadmapPiece, VertexId};
 pub use schedule::{Commitment, Move, Prefix};
 pub use serve::{JobPort, Offer, Refusal, ServeFault, serve};

@@ -96,6 +96,12 @@ impl<'a> JobContext<'a> {
         self.spent
     }
 
+    /// Work units that may still be spent.
+    #[must_use]
+    pub fn left(&self) -> u64 {
+        self.budget.saturating_sub(self.spent)
+    }
+
     /// Spends work units. `false`: the budget is used up, and the stage must come to its end with what it has.
     ///
     /// # Errors

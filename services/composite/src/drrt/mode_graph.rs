@@ -8,6 +8,9 @@ use skeleton::{ModeId, Occupancy};
 
 use super::validity::{RobotEdge, TimedEdge};
 
+/// Least time that an edge is given (s), should its ends be one configuration up to whole turns.
+const LEAST_DURATION_S: f64 = 1e-6;
+
 /// A way from one vertex to a neighbour.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Arc {
@@ -52,10 +55,12 @@ impl<'a> ModeGraph<'a> {
         let mut motion = first_motion + roadmap.vertices.len() as u32;
         for (index, edge) in (0_u32..).zip(&roadmap.edges) {
             let blockers: Option<Vec<u32>> = edge.blockers.iter().map(number).collect();
-            let mut blockers = blockers.ok_or_else(|| unfit(roadmap.mode, "an edge is blocked by no pose of the problem"))?;
+            let mut blockers =
+                blockers.ok_or_else(|| unfit(roadmap.mode, "an edge is blocked by no pose of the problem"))?;
             blockers.sort_unstable();
             for (from, to) in [(edge.a, edge.b), (edge.b, edge.a)] {
-                let (kind, duration_s, blockers) = (edge.kind, edge.duration_s, blockers.clone());
+                let (kind, blockers) = (edge.kind, blockers.clone());
+                let duration_s = edge.duration_s.max(LEAST_DURATION_S);
                 arcs[from.index()].push(Arc { to, edge: index, kind, duration_s, blockers, motion });
                 motion += 1;
             }
@@ -148,8 +153,13 @@ fn check(roadmap: &ModeRoadmap, robot: &Robot) -> Result<(), Interrupted> {
     if roadmap.edges.iter().any(|edge| !inside(edge.a) || !inside(edge.b)) {
         return Err(unfit(roadmap.mode, "an edge ends at no vertex"));
     }
-    if roadmap.edges.iter().any(|edge| !edge.duration_s.is_finite() || edge.duration_s < 0.0) {
-        return Err(unfit(roadmap.mode, "an edge has no duration"));
+    let too_fast = |edge: &contract::Edge| {
+        let (a, b) = (&roadmap.vertices[edge.a.index()], &roadmap.vertices[edge.b.index()]);
+        let least_s = robot.duration(a, &robot.short_way(a, b));
+        !(edge.duration_s.is_finite() && edge.duration_s >= least_s * (1.0 - 1e-9))
+    };
+    if roadmap.edges.iter().any(too_fast) {
+        return Err(unfit(roadmap.mode, "an edge is faster than the robot"));
     }
     Ok(())
 }

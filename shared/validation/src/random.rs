@@ -1,4 +1,4 @@
-//! Random numbers for tests: SplitMix64.
+//! Random numbers, poses and bodies for tests, from SplitMix64.
 
 use glamx::DVec3;
 use model::{Body, Pose, Shape};
@@ -48,7 +48,8 @@ impl Random {
     }
 
     /// Any of the five kinds, of about the given size (m).
-    pub(crate) fn body(&mut self, kind: usize, size: f64) -> Body {
+    pub(crate) fn body(&mut self, size: f64) -> Body {
+        let kind = self.below(5);
         let mut length = || self.between(0.2, 1.0) * size;
         let shape = match kind {
             0 => Shape::Box { size: [length(), length(), length()] },

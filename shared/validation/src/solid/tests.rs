@@ -36,8 +36,7 @@ fn bare(shape: Shape) -> Solid {
 /// Two random bodies, placed near one another.
 fn pair(random: &mut Random) -> [(Body, Isometry3<f64>); 2] {
     [(); 2].map(|()| {
-        let kind = random.below(5);
-        let body = random.body(kind, 0.5);
+        let body = random.body(0.5);
         let pose = random.pose(0.4) * body.owner_from_shape;
         (body, pose)
     })
@@ -102,8 +101,7 @@ fn gaps_of_simple_arrangements_are_exact() {
 fn the_bounding_sphere_contains_the_body() {
     for seed in 0..500 {
         let mut random = Random(seed);
-        let kind = random.below(5);
-        let body = random.body(kind, 0.5);
+        let body = random.body(0.5);
         let (solid, direction) = (Solid::new(&body), random.direction());
         let height = solid.height_along(&solid.owner_from_shape, direction);
         assert!(height <= direction.dot(solid.centre) + solid.radius + 1e-12, "seed {seed}");

@@ -4,7 +4,7 @@ use plan::{Dependency, EventKind, KnotRef, Plan};
 use validation::{Rule, check_plan, delayed_execution};
 
 use crate::fixture::{accepted, rules};
-use crate::random::Random;
+use crate::numbers::Random;
 use crate::scenarios::{relay, side_by_side, single};
 
 fn no_pauses(plan: &Plan) -> Vec<Vec<f64>> {

@@ -3,6 +3,8 @@
 mod delays;
 mod fixture;
 mod mutations;
+#[path = "../../src/random.rs"]
+mod numbers;
 mod random;
 mod robots;
 mod sampling;

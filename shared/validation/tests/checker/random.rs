@@ -1,60 +1,16 @@
 //! The continuous check against dense sampling, on random robots that carry random objects among random obstacles.
 
 use model::{
-    Body, Coordinate, CoordinateId, EndEffector, FixedObject, Joint, JointId, JointMotion, JointValue, Link, LinkId,
-    PlanarBase, Pose, Problem, Robot, Shape,
+    Coordinate, CoordinateId, EndEffector, FixedObject, Joint, JointId, JointMotion, JointValue, Link, LinkId,
+    PlanarBase, Pose, Problem, Robot,
 };
-use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::Isometry3;
 use plan::{EventKind, Plan};
 use validation::{Rule, Violation};
 
 use crate::fixture::{Writer, add_object, add_pair, add_table, finish, problem, violations};
+use crate::numbers::Random;
 use crate::sampling::{link_pose, sampled_clearance};
-
-/// SplitMix64.
-pub struct Random(pub u64);
-
-impl Random {
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.unit() * count as f64) as usize
-    }
-
-    fn pose(&mut self, reach: f64) -> Pose {
-        let turn = Vector3::from_fn(|_, _| self.between(-2.0, 2.0));
-        let shift = Translation3::from(Vector3::from_fn(|_, _| self.between(-reach, reach)));
-        Isometry3::from_parts(shift, UnitQuaternion::new(turn))
-    }
-
-    fn body(&mut self, size: f64) -> Body {
-        let mut length = || self.between(0.2, 1.0) * size;
-        let (a, b, c) = (length(), length(), length());
-        let shape = match self.below(5) {
-            0 => Shape::Box { size: [a, b, c] },
-            1 => Shape::Sphere { radius: a / 2.0 },
-            2 => Shape::Cylinder { radius: a / 2.0, length: b },
-            3 => Shape::Capsule { radius: a / 3.0, length: b },
-            _ => {
-                let mut coordinate = || self.between(-0.5, 0.5) * size;
-                let points = (0..10).map(|_| Point3::new(coordinate(), coordinate(), coordinate()));
-                Shape::Hull { points: points.collect() }
-            }
-        };
-        Body { owner_from_shape: self.pose(size / 2.0), shape }
-    }
-}
 
 /// A chain of turning and sliding joints, on a base or not, with a finger and its mimic at the end.
 fn random_robot(random: &mut Random, name: &str, x: f64) -> Robot {
@@ -63,7 +19,7 @@ fn random_robot(random: &mut Random, name: &str, x: f64) -> Robot {
     let links: Vec<Link> = (0..7).map(|i| Link { name: format!("l{i}"), bodies: vec![random.body(0.3)] }).collect();
     let mut joints = Vec::new();
     for i in 0..6 {
-        let axis = Unit::new_normalize(random.pose(1.0).translation.vector).into_inner().into();
+        let axis = random.direction().to_array();
         let turns = random.unit() < 0.7 && i < 4;
         joints.push(Joint {
             name: format!("j{i}"),

@@ -8,7 +8,7 @@ use plan::{Plan, SegmentKind};
 use validation::{Rule, Verdict};
 
 use crate::fixture::{Writer, accepted, finish, rules};
-use crate::random::Random;
+use crate::numbers::Random;
 
 fn scenes() -> Vec<PathBuf> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../launch/scenes"));

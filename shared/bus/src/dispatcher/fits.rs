@@ -1,0 +1,28 @@
+//! Whether an outcome can be the answer to a job at all: the cheap part of checking what a stage claims.
+
+use contract::{Answer, Composition, Job, JobId, Outcome, Request};
+
+use crate::worker::product_of;
+
+/// What is wrong with an outcome; none: it fits.
+pub(super) fn misfit(id: JobId, job: &Job, outcome: &Outcome) -> Option<String> {
+    let Ok(answer) = &outcome.result else { return None };
+    if !is_answer_to(answer, &job.request) {
+        return Some("its answer does not belong to the job".to_owned());
+    }
+    // What is asked for again is asked of the job that made it.
+    let foreign = product_of(outcome).is_some_and(|product| product.made_by != id);
+    foreign.then(|| "it names a product of another job as its answer".to_owned())
+}
+
+fn is_answer_to(answer: &Answer, request: &Request) -> bool {
+    match (request, answer) {
+        (Request::Placement(job), Answer::Placements(candidates)) => candidates.len() <= job.count as usize,
+        (Request::Transition(job), Answer::Alternatives(alternatives)) => alternatives.len() <= job.count as usize,
+        (Request::Blockers(job), Answer::Blocked(blocked)) => blocked.len() == job.standing.len(),
+        (Request::Piece(_), Answer::Piece(_)) | (Request::Mode(_), Answer::Mode { .. }) => true,
+        (Request::Compose(job), Answer::Plan { .. }) => matches!(job.composition, Composition::Assemble { .. }),
+        (Request::Compose(job), Answer::Committed { .. }) => !matches!(job.composition, Composition::Assemble { .. }),
+        _ => false,
+    }
+}

@@ -259,7 +259,11 @@ impl Findings {
         match found {
             Ok(value) => Some(value),
             Err(finding) => {
-                if self.0.len() < Self::MOST {
+                // Robots that share a file share its faults.
+                let told = |known: &Finding| {
+                    (&known.message, known.path(), known.line()) == (&finding.message, finding.path(), finding.line())
+                };
+                if self.0.len() < Self::MOST && !self.0.iter().any(told) {
                     self.0.push(*finding);
                 }
                 None

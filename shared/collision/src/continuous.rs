@@ -91,10 +91,11 @@ impl Passage<'_> {
         pairs.first().map(|pair| self.name(pair))
     }
 
-    /// Whether both ends are configurations of the robot. If not, it touches itself.
+    /// Whether both ends are configurations of the robot, and its grasp exists. If not, it touches itself.
     fn is_sane(&self) -> bool {
         let coordinates = self.mover.robot.coordinates.len();
-        [self.from, self.to].iter().all(|q| q.len() == coordinates && q.iter().all(|value| value.is_finite()))
+        !self.mover.impossible
+            && [self.from, self.to].iter().all(|q| q.len() == coordinates && q.iter().all(|value| value.is_finite()))
     }
 
     /// Pairs that the balls around the bodies do not prove clear for the whole motion.

@@ -82,7 +82,8 @@ impl Geometry {
     /// Robot and load against the robot itself and the fixed objects at one configuration, the clearance kept.
     ///
     /// Links of the end effector may touch the load; so may nothing else. A configuration that is none (wrong length,
-    /// not finite) is answered with the robot touching itself, here and in every question about a robot.
+    /// not finite) or a grasp that is none is answered with the robot touching itself, here and in every question about
+    /// a robot.
     #[must_use]
     pub fn state_contact(
         &self,
@@ -147,14 +148,19 @@ impl Geometry {
 
     pub(crate) fn mover(&self, id: RobotId, holding: Option<Holding>) -> Mover<'_> {
         let robot = self.problem.robot(id);
-        let mut mover =
-            Mover { id, robot, shape: &self.robots[id.index()], load: None, opening: robot.end_effector.max_opening };
+        let (shape, opening) = (&self.robots[id.index()], robot.end_effector.max_opening);
+        let mut mover = Mover { id, robot, shape, load: None, impossible: false, opening };
         if let Some(Holding { object, grasp }) = holding {
-            let grasp = self.problem.movable[object.index()].grasp(id, grasp);
-            let shape = &self.objects[object.index()];
-            let link_from_solid = grasp.link_from_object * shape.object_from_solid;
-            mover.load = Some(Load { object, link_from_solid, solid: &shape.solid });
-            mover.opening = grasp.opening;
+            let movable = self.problem.movable.get(object.index());
+            let grasps = movable.and_then(|movable| movable.grasps.get(id.index()));
+            match (grasps.and_then(|grasps| grasps.get(grasp.index())), self.objects.get(object.index())) {
+                (Some(grasp), Some(shape)) => {
+                    let link_from_solid = grasp.link_from_object * shape.object_from_solid;
+                    mover.load = Some(Load { object, link_from_solid, solid: &shape.solid });
+                    mover.opening = grasp.opening;
+                }
+                _ => mover.impossible = true,
+            }
         }
         mover
     }
@@ -198,7 +204,8 @@ impl Geometry {
 
     /// Bodies (indices into `fixed`) of the support that the load touches from above at either end of a motion.
     fn supports_of_load(&self, mover: &Mover<'_>, from: &[f64], to: &[f64], support: Option<FixedId>) -> Vec<usize> {
-        let (Some(load), Some(_)) = (&mover.load, support) else {
+        let coordinates = mover.robot.coordinates.len();
+        let (Some(load), Some(_), true) = (&mover.load, support, from.len().min(to.len()) >= coordinates) else {
             return Vec::new();
         };
         let hand = mover.robot.end_effector.parent_link.index();

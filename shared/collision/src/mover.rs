@@ -22,6 +22,8 @@ pub(crate) struct Mover<'a> {
     pub robot: &'a Robot,
     pub shape: &'a RobotShape,
     pub load: Option<Load<'a>>,
+    /// Whether it is asked to hold what it has no such grasp for: then it is never clear of anything.
+    pub impossible: bool,
     /// Between the fingers (m).
     pub opening: f64,
 }
@@ -40,6 +42,9 @@ pub(crate) struct Frame {
     pub bodies: Vec<Swept>,
     /// Half of the base's translation, in the world (m).
     pub drift: Vector3<f64>,
+    /// Bound on how far any point travels within half of the motion, the base's translation not counted: the greatest
+    /// speed times the time, if each half lasted 1 (m).
+    pub pace: f64,
     links: Vec<Pose>,
     middle: Vec<f64>,
     half: Vec<f64>,
@@ -90,6 +95,10 @@ impl Mover<'_> {
         frame.middle.extend(from.iter().zip(to).map(|(a, b)| a + (b - a) * middle));
         frame.half.clear();
         frame.half.extend(from.iter().zip(to).map(|(a, b)| (b - a) * half));
+        // What is no configuration leads to poses that are no numbers, which nothing calls clear.
+        let coordinates = self.robot.coordinates.len();
+        frame.middle.resize(coordinates, f64::NAN);
+        frame.half.resize(coordinates, f64::NAN);
         kinematics::link_poses_into(self.robot, &frame.middle, self.opening, &mut frame.links);
         frame.drift = match self.robot.base {
             Some(_) => self.robot.world_from_base.rotation * Vector3::new(frame.half[0], frame.half[1], 0.0),
@@ -99,41 +108,53 @@ impl Mover<'_> {
         frame.relative.clear();
         frame.relative.resize(self.len() * frame.stride, 0.0);
         frame.bodies.clear();
+        frame.pace = 0.0;
         let moving = half > 0.0 && frame.half.iter().any(|h| *h != 0.0);
         for i in 0..self.len() {
             let (link, link_from_solid) = self.mount(i);
             let placed = Placed::at(&(frame.links[link.index()] * link_from_solid));
-            let spread = if moving { self.spread(i, link, &placed, frame) } else { 0.0 };
+            let spread = match (self.impossible, moving) {
+                (true, _) => f64::INFINITY,
+                (false, true) => self.spread(i, link, &placed, frame),
+                (false, false) => 0.0,
+            };
             frame.bodies.push(Swept { placed, spread });
         }
     }
 
-    /// Bounds how far body `i` gets, from the tip of its chain inwards: a joint turns it by at most its half range about
-    /// an axis from which it is as far as in the middle, or farther by what the joints beyond it can do.
+    /// Bounds how far body `i` gets. Joints can be turned from the middle to wherever they are one after the other, the
+    /// root's last: each then finds the body where it was in the middle, carried along rigidly by the others, and adds no
+    /// more than its own angle times the distance of the body from its axis in the middle.
     fn spread(&self, i: usize, link: LinkId, placed: &Placed, frame: &mut Frame) -> f64 {
         let solid = self.solid(i);
         let chain = &self.shape.chains[link.index()];
-        let mut spread = 0.0;
+        let (mut spread, mut pace) = (0.0, 0.0);
         for (k, step) in chain.iter().enumerate().rev() {
             let step = &self.shape.steps[usize::from(*step)];
             let by = step.gear * frame.half[step.coordinate.index()].abs();
             if by != 0.0 {
-                spread += match step.turns_about {
-                    None => by,
+                let (adds, adds_at_most) = match step.turns_about {
+                    None => (by, by),
                     Some(axis) => {
                         let child = &frame.links[step.child.index()];
                         let axis = child.rotation * axis;
-                        by * (solid.distance_from_axis(placed, &child.translation.vector, &axis) + spread)
+                        let far = solid.distance_from_axis(placed, &child.translation.vector, &axis);
+                        (by.min(2.0) * far, by * (far + spread))
                     }
                 };
+                spread += adds;
+                pace += adds_at_most;
             }
             frame.relative[i * frame.stride + k] = spread;
         }
         let yaw = if self.robot.base.is_some() { frame.half[2].abs() } else { 0.0 };
         if yaw != 0.0 {
             let up = self.robot.world_from_base.rotation * Vector3::z();
-            spread += yaw * (solid.distance_from_axis(placed, &frame.links[0].translation.vector, &up) + spread);
+            let far = solid.distance_from_axis(placed, &frame.links[0].translation.vector, &up);
+            pace += yaw * (far + spread);
+            spread += yaw.min(2.0) * far;
         }
+        frame.pace = frame.pace.max(pace);
         spread
     }
 }

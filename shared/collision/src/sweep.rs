@@ -66,13 +66,11 @@ impl Geometry {
         }
         let mover = self.mover(motion.robot, motion.holding);
         let mut frame = Frame::default();
-        // In each stretch the bound is one on speed, too: no point moves further per stretch than twice the bound.
         let half = 0.5 / f64::from(STRETCHES);
         let mut most: f64 = 0.0;
         for i in 0..STRETCHES {
             mover.place(&motion.from, &motion.to, f64::from(2 * i + 1) * half, half, &mut frame);
-            let spread = frame.bodies.iter().fold(0.0, |most: f64, body| most.max(body.spread));
-            most = most.max(spread + frame.drift.norm());
+            most = most.max(frame.pace + frame.drift.norm());
         }
         let cells = (f64::from(STRETCHES) * most / reach_m.max(LEAST_REACH) - 1e-9).ceil();
         if cells < f64::from(u32::MAX) { (cells as u32).max(1) } else { u32::MAX }
@@ -105,7 +103,7 @@ impl Geometry {
             least = least.inf(&(low - grown));
             greatest = greatest.sup(&(high + grown));
         }
-        if !frame.bodies.iter().all(|body| body.placed.center.iter().all(|c| c.is_finite())) {
+        if !frame.bodies.iter().all(|body| (body.placed.center.sum() + body.spread).is_finite()) {
             (least, greatest) = (Vector3::repeat(f64::NEG_INFINITY), Vector3::repeat(f64::INFINITY));
         }
         let (least, greatest) = (Point3::from(least), Point3::from(greatest));

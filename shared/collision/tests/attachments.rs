@@ -155,3 +155,22 @@ fn a_support_counts_by_where_the_motion_begins_or_ends() {
     assert_eq!(hovering.state_contact(R1, HOLDING, &q, table), None);
     assert!(hovering.state_contact(R1, HOLDING, &q, NOTHING).is_some());
 }
+
+#[test]
+fn lifting_off_and_setting_down_are_free_whichever_end_is_on_the_support() {
+    let crate_ = movable("crate", Shape::Box { size: [0.2, 0.2, 0.2] }, 1, at(0.0, 0.0, 0.1));
+    let table = fixed("table", at(0.0, 0.0, -0.02), vec![boxed(Pose::identity(), [0.5, 0.8, 0.04])]);
+    let geometry = Geometry::new(&problem(vec![lift()], vec![table], vec![crate_])).unwrap();
+    let support = |support| AllowedContacts { touch: None, support };
+    let free = |from: f64, to: f64, allowed| {
+        let motion = Motion { robot: R1, holding: HOLDING, from: vec![from], to: vec![to], allowed };
+        geometry.motion_contact(&motion).is_none()
+    };
+    for (from, to) in [(0.0, 0.05), (0.05, 0.0), (0.0, 0.0)] {
+        assert!(free(from, to, support(Some(FixedId(0)))), "{from} to {to}");
+        assert!(!free(from, to, support(None)), "{from} to {to}");
+    }
+    assert!(free(0.003, 0.5, support(None)), "3 mm above");
+    assert!(!free(0.05, -0.01, support(Some(FixedId(0)))), "set down 1 cm too deep");
+    assert!(!free(0.5, -0.5, support(Some(FixedId(0)))), "through the table");
+}

@@ -16,7 +16,9 @@ fn standing_at_start(problem: &Problem) -> Vec<Standing> {
 /// A place to drive from: the base anywhere within its limits, the arm as for driving.
 fn random_drive(problem: &Problem, id: RobotId, random: &mut Random) -> Motion {
     let robot = problem.robot(id);
-    let holding = (random.pick(2) == 1).then(|| Holding { object: ObjectId::at(random.pick(4)), grasp: GraspId(0) });
+    let object = ObjectId::at(random.pick(8));
+    let graspable = problem.movable.get(object.index()).is_some_and(|m| !m.grasps[id.index()].is_empty());
+    let holding = graspable.then_some(Holding { object, grasp: GraspId(0) });
     let arm = if holding.is_some() { &robot.carry } else { &robot.home };
     let mut base = |i: usize| random.between(robot.coordinates[i].lower, robot.coordinates[i].upper);
     let (x, y) = (base(0), base(1));

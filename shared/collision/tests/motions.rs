@@ -140,6 +140,20 @@ fn a_base_that_turns_on_the_spot_needs_its_diagonal() {
 }
 
 #[test]
+fn two_arms_of_one_robot_that_meet_only_at_the_end_are_caught() {
+    for (gap, free) in [(0.0019, false), (0.0055, true)] {
+        let geometry = Geometry::new(&problem(vec![two_bars(gap)], vec![], vec![])).unwrap();
+        for far in [0.3, 0.8, 2.9] {
+            // The corners swing 1.25 mm wider than the ends, so that 5.5 mm between the ends leave 3 mm.
+            for from in [[far, far], [-far, -far], [far, 0.0], [0.0, far], [far, -far]] {
+                assert_eq!(geometry.motion_contact(&motion(&from, &[0.0, 0.0])).is_none(), free, "{gap} {from:?}");
+                assert_eq!(geometry.motion_contact(&motion(&[0.0, 0.0], &from)).is_none(), free, "{gap} {from:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn driving_does_not_bring_a_folded_arm_against_itself() {
     let mut empty = mobile_problem();
     empty.fixed.clear();

@@ -2,9 +2,9 @@
 
 mod common;
 
-use collision::{AllowedContacts, BodyName, Contact, Geometry, Standing};
+use collision::{AllowedContacts, BodyName, Contact, Geometry, Holding, Standing};
 use common::*;
-use model::{FixedId, LinkId, ObjectId, Pose, RobotId, Shape};
+use model::{FixedId, GraspId, LinkId, ObjectId, Pose, RobotId, Shape};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 const R1: RobotId = RobotId(0);
@@ -178,6 +178,13 @@ fn what_is_no_configuration_is_never_called_free() {
     let geometry = Geometry::new(&mobile_problem()).unwrap();
     for bad in [vec![f64::NAN; 9], vec![0.0; 8], vec![f64::INFINITY; 9], vec![]] {
         assert!(geometry.state_contact(R1, None, &bad, NOTHING).is_some(), "{bad:?}");
+        let holding = Some(Holding { object: ObjectId(0), grasp: GraspId(0) });
+        let on_table = AllowedContacts { touch: None, support: Some(FixedId(0)) };
+        assert!(geometry.state_contact(R1, holding, &bad, on_table).is_some(), "{bad:?}");
+    }
+    for (object, grasp) in [(0, 1), (3, 0)] {
+        let holding = Some(Holding { object: ObjectId(object), grasp: GraspId(grasp) });
+        assert!(geometry.state_contact(R1, holding, &[0.0; 9], NOTHING).is_some(), "object {object}, grasp {grasp}");
     }
     let turn = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
     let nowhere = Pose::from_parts(Translation3::new(f64::NAN, 0.0, 0.0), turn);

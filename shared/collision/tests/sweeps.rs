@@ -2,9 +2,9 @@
 
 mod common;
 
-use collision::{AllowedContacts, Geometry, Motion, Standing, Sweep};
+use collision::{AllowedContacts, Geometry, Holding, Motion, Standing, Sweep};
 use common::*;
-use model::{ObjectId, Problem, RobotId, Shape};
+use model::{GraspId, ObjectId, Problem, RobotId, Shape};
 use nalgebra::Point3;
 
 const R1: RobotId = RobotId(0);
@@ -200,4 +200,45 @@ fn two_bases_driving_side_by_side_do_not_conflict() {
     assert!(geometry.sweeps_conflict(&drive(R1, -3.0, 3.0, 0.0), &drive(R2, 3.0, -3.0, -0.0485)));
     assert!(!geometry.sweeps_conflict(&drive(R1, -3.0, 3.0, 0.0), &drive(R2, 3.0, -3.0, -0.0475)));
     assert!(geometry.sweeps_conflict(&drive(R1, 0.0, 0.0, 0.0), &drive(R1, 5.0, 5.0, 0.0)), "a robot and itself");
+}
+
+#[test]
+fn two_arms_that_meet_only_at_the_end_of_both_parts_conflict() {
+    for (gap, conflict) in [(0.0019, true), (0.5, false)] {
+        let mut arms = problem(vec![planar_2r(), planar_2r()], vec![], vec![]);
+        arms.robots[1].world_from_base = turned(4.0 + gap, 0.0, 0.0, std::f64::consts::PI);
+        let geometry = Geometry::new(&arms).unwrap();
+        let swing = |robot, to: f64| {
+            let motion = Motion { robot, holding: None, from: vec![0.0, 0.0], to: vec![to, 0.0], allowed: NOTHING };
+            geometry.sweep(&motion, 0, 1)
+        };
+        for (to_a, to_b) in [(0.6, 0.6), (0.6, -0.6), (2.0, 1.0), (-0.1, -0.9), (0.0, 0.5)] {
+            assert_eq!(geometry.sweeps_conflict(&swing(R1, to_a), &swing(R2, to_b)), conflict, "{to_a} {to_b} {gap}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_motion_conflicts_with_everything() {
+    let geometry = Geometry::new(&mobile_problem()).unwrap();
+    let at = |robot, x: f64| {
+        let q = vec![x, 0.0, 0.0, 0.0, 0.3, 0.5, 0.0, 0.4, 0.0];
+        Motion { robot, holding: None, from: q.clone(), to: q, allowed: NOTHING }
+    };
+    let far = geometry.sweep(&at(R2, 100.0), 0, 1);
+    assert!(!geometry.sweeps_conflict(&geometry.sweep(&at(R1, 0.0), 0, 1), &far));
+    let no_grasp = Some(Holding { object: ObjectId(0), grasp: GraspId(7) });
+    let bad = [
+        Motion { to: vec![f64::NAN; 9], ..at(R1, 0.0) },
+        Motion { from: vec![0.0; 8], ..at(R1, 0.0) },
+        Motion { holding: no_grasp, ..at(R1, 0.0) },
+    ];
+    for motion in bad {
+        let sweep = geometry.sweep(&motion, 0, 1);
+        assert!(geometry.sweeps_conflict(&sweep, &far), "{motion:?}");
+        assert!(geometry.sweeps_conflict(&far, &sweep), "{motion:?}");
+        assert!(geometry.cells(&motion, 0.1) >= 1);
+        let standing = Standing { object: ObjectId(1), world_from_object: model::Pose::translation(50.0, 0.0, 0.0) };
+        assert!(geometry.sweep_hits(&sweep, &standing), "{motion:?}");
+    }
 }

@@ -6,7 +6,7 @@ mod oracle;
 mod robots;
 
 pub use oracle::{Oracle, Piece, least_distance};
-pub use robots::{box_base, mobile_arm, planar_2r};
+pub use robots::{box_base, lift, mobile_arm, planar_2r, two_bars};
 
 use collision::{AllowedContacts, Geometry, Holding, Motion};
 use model::{

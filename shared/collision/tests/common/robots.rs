@@ -71,6 +71,29 @@ pub fn box_base(name: &str) -> Robot {
     base
 }
 
+/// A hand without bodies that slides up and down.
+pub fn lift() -> Robot {
+    let links = vec![link("post", vec![]), link("fork", vec![])];
+    let value = JointValue::Coordinate(CoordinateId(0));
+    let slide = joint("z", 0, 1, Pose::identity(), JointMotion::Prismatic { axis: [0.0, 0.0, 1.0] }, value);
+    robot("lift", links, vec![slide], vec![coordinate("z", 2.0)], hand(1, &[1]))
+}
+
+/// Two bars of 1 m that swing about vertical axes 2 m + `gap` apart, each towards the other at angle 0.
+pub fn two_bars(gap: f64) -> Robot {
+    let bar = |x: f64| vec![boxed(at(x, 0.0, 0.0), [1.0, 0.1, 0.1])];
+    let links = vec![link("post", vec![]), link("left", bar(0.5)), link("right", bar(-0.5))];
+    let turn = || JointMotion::Revolute { axis: [0.0, 0.0, 1.0] };
+    let value = |i| JointValue::Coordinate(CoordinateId(i));
+    let joints = vec![
+        joint("left", 0, 1, Pose::identity(), turn(), value(0)),
+        joint("right", 0, 2, at(2.0 + gap, 0.0, 0.0), turn(), value(1)),
+    ];
+    let mut bars = robot("bars", links, joints, vec![coordinate("left", 3.0), coordinate("right", 3.0)], hand(2, &[]));
+    bars.disabled_pairs.clear();
+    bars
+}
+
 /// A planar base with a six-joint arm of all kinds of shapes, a wheel that mimics a joint, a hand and two fingers.
 pub fn mobile_arm(name: &str) -> Robot {
     let capsule = |z, length| body(at(0.0, 0.0, z), Shape::Capsule { radius: 0.05, length });

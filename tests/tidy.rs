@@ -62,7 +62,8 @@ fn every_crate_names_only_crates_that_the_design_allows() {
 }
 
 fn sources() -> Vec<(PathBuf, String)> {
-    let (mut found, mut folders) = (Vec::new(), ["shared", "services", "launch", "tests"].map(|f| root().join(f)).to_vec());
+    let (mut found, mut folders) =
+        (Vec::new(), ["shared", "services", "launch", "tests"].map(|f| root().join(f)).to_vec());
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).unwrap() {
             let path = entry.unwrap().path();
@@ -84,7 +85,11 @@ fn sources() -> Vec<(PathBuf, String)> {
 fn files_naming(name: &str) -> Vec<PathBuf> {
     let is_code = |line: &&str| !line.trim_start().starts_with("//");
     let names = |text: &str| text.lines().filter(is_code).any(|line| line.contains(&format!("{name}::")));
-    sources().into_iter().filter(|(path, text)| path != Path::new("tests/tidy.rs") && names(text)).map(|(path, _)| path).collect()
+    sources()
+        .into_iter()
+        .filter(|(path, text)| path != Path::new("tests/tidy.rs") && names(text))
+        .map(|(path, _)| path)
+        .collect()
 }
 
 fn assert_only_within(name: &str, places: &[&str]) {

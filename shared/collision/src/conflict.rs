@@ -70,7 +70,7 @@ impl Geometry {
     /// A robot always conflicts with itself.
     #[must_use]
     pub fn sweeps_conflict(&self, a: &Sweep, b: &Sweep) -> bool {
-        if a.robot == b.robot {
+        if a.robot == b.robot || a.is_unbounded() || b.is_unbounded() {
             return true;
         }
         let (least, greatest) = b.bounds();

@@ -50,6 +50,11 @@ impl Sweep {
         self.bodies.iter().fold(0.0, |most: f64, body| most.max(body.spread)) + self.drift.norm()
     }
 
+    /// Whether it is a sweep of no motion, which could be anywhere.
+    pub(crate) fn is_unbounded(&self) -> bool {
+        self.least.x == f64::NEG_INFINITY
+    }
+
     /// Whether its bounds and other bounds have nothing in common.
     pub(crate) fn is_apart(&self, least: &Vector3<f64>, greatest: &Vector3<f64>) -> bool {
         (0..3).any(|i| self.least[i] > greatest[i] || self.greatest[i] < least[i])

@@ -154,10 +154,11 @@ pub fn figure1() -> Problem {
     model::load_problem(&model::DiskFiles, scene).unwrap()
 }
 
-/// Nothing, or one of the objects.
+/// Nothing, or one of the objects that every robot can hold.
 pub fn random_holding(problem: &Problem, random: &mut Random) -> Option<Holding> {
     let pick = random.pick(problem.movable.len() + 1);
-    (pick > 0).then(|| Holding { object: ObjectId::at(pick - 1), grasp: GraspId(0) })
+    let graspable = |i: usize| problem.movable[i].grasps.iter().all(|grasps| !grasps.is_empty());
+    (pick > 0 && graspable(pick - 1)).then(|| Holding { object: ObjectId::at(pick - 1), grasp: GraspId(0) })
 }
 
 /// Of all sizes: small, arm only, base only, everything.

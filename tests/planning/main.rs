@@ -1,5 +1,7 @@
 //! Whole plans: every scene through every stage, the checker as judge.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 mod command_line;
 mod delays;
 mod scenes;

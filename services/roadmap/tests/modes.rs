@@ -1,5 +1,7 @@
 //! Pieces and mode roadmaps of real scenes; every edge is checked against dense sampling of its motion.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 

@@ -1,5 +1,7 @@
 //! Alternatives of real scenes, checked by forward kinematics and direct geometry questions.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 

@@ -9,6 +9,9 @@ use crate::{
     Products, Stage, StageKind,
 };
 
+/// Called with every job that was worked on and its outcome.
+type Observer = Box<dyn FnMut(&Job, &Outcome)>;
+
 /// Stages in this process. Answers are kept: a job asked twice is worked on once.
 pub struct DirectCalls {
     statement: Arc<ProblemStatement>,
@@ -16,7 +19,7 @@ pub struct DirectCalls {
     products: Arc<MemoryProducts>,
     answered: BTreeMap<JobId, Outcome>,
     cancelled: Arc<AtomicBool>,
-    observe: Box<dyn FnMut(&Job, &Outcome)>,
+    observe: Observer,
 }
 
 impl DirectCalls {

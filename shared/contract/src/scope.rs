@@ -38,7 +38,8 @@ impl Scope {
         match self {
             Self::Placement | Self::Whole => true,
             Self::Robot(robot, object) => {
-                robot.index() < problem.robots.len() && object.is_none_or(|object| object.index() < problem.movable.len())
+                robot.index() < problem.robots.len()
+                    && object.is_none_or(|object| object.index() < problem.movable.len())
             }
         }
     }

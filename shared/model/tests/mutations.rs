@@ -4,7 +4,7 @@ mod support;
 
 use model::{Problem, load_problem};
 use proptest::prelude::*;
-use support::{PROBLEM, SRDF, URDF, good, render};
+use support::{PROBLEM, SRDF, URDF, good, meshes, render};
 
 /// A change to the text of one file.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ fn is_sound(problem: &Problem) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1_000, ..ProptestConfig::default() })]
 
     #[test]
     fn changed_files_are_read_or_refused_with_findings(
@@ -121,6 +121,33 @@ proptest! {
         match load_problem(&files, PROBLEM) {
             Ok(problem) => prop_assert!(is_sound(&problem), "{changes:?}"),
             Err(error) => prop_assert!(render(&error).contains("help:"), "{}", render(&error)),
+        }
+    }
+
+    #[test]
+    fn changed_meshes_are_read_or_refused_with_findings(
+        name in prop::sample::select(vec!["m.obj", "m.stl", "m.dae"]),
+        changes in prop::collection::vec(change(), 1..4),
+    ) {
+        let original = match name {
+            "m.obj" => meshes::cube_obj(),
+            "m.stl" => meshes::stl(&meshes::TETRAHEDRON),
+            _ => meshes::DAE.to_owned(),
+        };
+        let mesh = changes.iter().fold(original.into_bytes(), apply);
+        if let Err(error) = meshes::load_as_blob((&format!("scenes/{name}"), &mesh), &format!("{{file: {name}}}")) {
+            prop_assert!(render(&error).contains("help:"), "{}", render(&error));
+        }
+    }
+
+    #[test]
+    fn random_bytes_are_no_mesh(bytes in prop::collection::vec(any::<u8>(), 0..300), triangles in any::<u32>()) {
+        // Binary STL: 80 bytes of header, the number of triangles, the triangles.
+        let mut mesh = vec![0_u8; 80];
+        mesh.extend(triangles.to_le_bytes());
+        mesh.extend(bytes);
+        if let Err(error) = meshes::load_as_blob(("scenes/m.stl", &mesh), "{file: m.stl}") {
+            prop_assert!(render(&error).contains("help:"), "{}", render(&error));
         }
     }
 }

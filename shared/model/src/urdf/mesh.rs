@@ -25,15 +25,11 @@ pub(crate) fn load_hull(
 ) -> Found<Shape> {
     let bad = |message: String| owner.finding(span, FindingKind::BadRobot, message);
     let (path, bytes) = find(files, owner, span, reference)?;
-    let loader = mesh_loader::Loader::default();
-    // Materials are beside the point: their files are not looked for.
-    let no_materials = |_: &std::path::Path| -> io::Result<Vec<u8>> { Ok(Vec::new()) };
-    let scene = loader.load_from_slice_with_reader(&bytes, &path, no_materials).map_err(|error| {
-        bad(format!("mesh {path}: {}", error.to_string().replace("{path:?}", "")))
-            .help("use an STL, OBJ or COLLADA (.dae) file that a viewer can open")
+    let meshes = read_meshes(&path, &bytes).map_err(|why| {
+        bad(format!("mesh {path}: {why}")).help("use an STL, OBJ or COLLADA (.dae) file that a viewer can open")
     })?;
     let mut points = Vec::new();
-    for vertex in scene.meshes.iter().flat_map(|mesh| &mesh.vertices) {
+    for vertex in meshes.iter().flat_map(|mesh| &mesh.vertices) {
         let point = Point3::from(Vector3::from(vertex.map(f64::from)).component_mul(&scale));
         if !point.iter().all(|x| x.abs() <= crate::file::GREATEST) {
             return Err(bad(format!("mesh {path} has a vertex at {point}"))
@@ -48,6 +44,37 @@ pub(crate) fn load_hull(
             .help("simplify the mesh; a collision mesh needs a few hundred corners at most"),
     })?;
     Ok(Shape::Hull { points: hull })
+}
+
+/// Reads a mesh file, whatever its bytes.
+fn read_meshes(path: &str, bytes: &[u8]) -> Result<Vec<mesh_loader::Mesh>, String> {
+    let read = || {
+        // Materials are beside the point: their files are not looked for.
+        let no_materials = |_: &std::path::Path| -> io::Result<Vec<u8>> { Ok(Vec::new()) };
+        mesh_loader::Loader::default().load_from_slice_with_reader(bytes, path, no_materials)
+    };
+    if announces_too_much(bytes) {
+        return Err("it announces more values than it has bytes".to_owned());
+    }
+    // The COLLADA reader panics on references to nothing, such as a source without its array.
+    match std::panic::catch_unwind(read) {
+        Ok(Ok(scene)) => Ok(scene.meshes),
+        Ok(Err(error)) => Err(error.to_string().replace("{path:?}", "").trim_end().to_owned()),
+        Err(_) => Err("a reference in it leads nowhere".to_owned()),
+    }
+}
+
+/// Whether a `count` attribute exceeds what the file can hold. The COLLADA reader reserves as much memory as it is told.
+fn announces_too_much(bytes: &[u8]) -> bool {
+    const KEY: &[u8] = b"count";
+    let skip = |byte: &u8| byte.is_ascii_whitespace() || matches!(byte, b'=' | b'"' | b'\'');
+    bytes.windows(KEY.len()).enumerate().filter(|(_, window)| *window == KEY).any(|(at, _)| {
+        let digits =
+            bytes[at + KEY.len()..].iter().skip_while(|byte| skip(byte)).take_while(|byte| byte.is_ascii_digit());
+        let count =
+            digits.fold(0_usize, |count, digit| count.saturating_mul(10).saturating_add(usize::from(digit - b'0')));
+        count > bytes.len()
+    })
 }
 
 /// Reads the first of the places in which a mesh may lie.

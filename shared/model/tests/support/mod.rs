@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 pub mod frames;
+pub mod meshes;
 
 use std::collections::BTreeMap;
 use std::io;

@@ -164,6 +164,11 @@ fn deep_nesting_is_refused_before_anything_recurses() {
         files.0.insert(path.to_owned(), text.into_bytes());
         assert!(load_problem(&files, PROBLEM).is_err());
     }
+    let nested = meshes::DAE.replace("<asset>", &format!("<asset>{}", "<extra>".repeat(100_000)));
+    assert!(meshes::load_as_blob(("scenes/m.dae", nested.as_bytes()), "{file: m.dae}").is_err());
+    let closed = format!("<asset>{}{}", "<extra>".repeat(100_000), "</extra>".repeat(100_000));
+    let nested = meshes::DAE.replace("<asset>", &closed);
+    assert!(meshes::load_as_blob(("scenes/m.dae", nested.as_bytes()), "{file: m.dae}").is_err());
 }
 
 #[test]

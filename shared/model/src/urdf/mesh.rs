@@ -5,6 +5,7 @@ use std::io;
 use nalgebra::{Point3, Vector3};
 
 use super::hull::{NoHull, extreme_points};
+use super::xml::nested_too_deep;
 use crate::files::{folder, join};
 use crate::problem_error::{FindingKind, Found, Source, Span};
 use crate::{Files, Shape};
@@ -53,8 +54,13 @@ fn read_meshes(path: &str, bytes: &[u8]) -> Result<Vec<mesh_loader::Mesh>, Strin
         let no_materials = |_: &std::path::Path| -> io::Result<Vec<u8>> { Ok(Vec::new()) };
         mesh_loader::Loader::default().load_from_slice_with_reader(bytes, path, no_materials)
     };
-    if announces_too_much(bytes) {
-        return Err("it announces more values than it has bytes".to_owned());
+    if bytes.windows(8).any(|window| window == b"<COLLADA") {
+        if announces_too_much(bytes) {
+            return Err("it announces more values than it has bytes".to_owned());
+        }
+        if nested_too_deep(bytes).is_some() {
+            return Err("its elements are nested too deep".to_owned());
+        }
     }
     // The COLLADA reader panics on references to nothing, such as a source without its array.
     match std::panic::catch_unwind(read) {

@@ -48,24 +48,25 @@ fn xacro(source: &Source, offset: usize) -> Box<crate::Finding> {
         .help(format!("expand them once and name the result: xacro {input} > {plain}.expanded.urdf"))
 }
 
-/// A cheap bound, before anything recursive sees the text: open tags minus closed ones.
 fn refuse_deep_nesting(source: &Source) -> Found<()> {
-    let bytes = source.text.as_bytes();
+    let Some(offset) = nested_too_deep(source.text.as_bytes()) else { return Ok(()) };
+    Err(source
+        .finding(Span { offset, len: 1 }, FindingKind::TooLarge, format!("elements nested deeper than {MAX_DEPTH}"))
+        .help("robots are described by a flat list of links and joints"))
+}
+
+/// Where elements nest deeper than any reader of XML should follow. A cheap bound, open tags minus closed ones, to be asked
+/// before anything recursive sees the text.
+pub(crate) fn nested_too_deep(text: &[u8]) -> Option<usize> {
     let mut depth: u32 = 0;
-    for (offset, pair) in bytes.windows(2).enumerate() {
+    text.windows(2).position(|pair| {
         match pair {
             b"</" | b"/>" => depth = depth.saturating_sub(1),
             [b'<', next] if !matches!(next, b'!' | b'?') => depth += 1,
             _ => {}
         }
-        if depth > MAX_DEPTH {
-            let span = Span { offset, len: 1 };
-            return Err(source
-                .finding(span, FindingKind::TooLarge, format!("elements nested deeper than {MAX_DEPTH}"))
-                .help("robots are described by a flat list of links and joints"));
-        }
-    }
-    Ok(())
+        depth > MAX_DEPTH
+    })
 }
 
 fn offset_of(text: &str, row: u32, col: u32) -> Span {

@@ -2,6 +2,9 @@
 //!
 //! Units are m, rad, s, kg; z is up. A transform is called `a_from_b`: it takes coordinates in frame
 //! `b` to coordinates in frame `a`. Nothing here knows how a plan is found.
+//!
+//! [`load_problem`] reads a problem file and the robots and meshes that it names, through [`Files`], and resolves it into a
+//! [`Problem`] without paths or names to look up, or into a [`ProblemError`] that says where what is wrong.
 
 mod file;
 mod files;
@@ -9,6 +12,7 @@ mod grasp;
 mod grasp_families;
 mod holding;
 mod ids;
+mod locate;
 mod problem;
 mod problem_error;
 mod robot;

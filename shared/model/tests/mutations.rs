@@ -167,8 +167,9 @@ fn deep_nesting_is_refused_before_anything_recurses() {
     let nested = meshes::DAE.replace("<asset>", &format!("<asset>{}", "<extra>".repeat(100_000)));
     assert!(meshes::load_as_blob(("scenes/m.dae", nested.as_bytes()), "{file: m.dae}").is_err());
     let closed = format!("<asset>{}{}", "<extra>".repeat(100_000), "</extra>".repeat(100_000));
-    let nested = meshes::DAE.replace("<asset>", &closed);
-    assert!(meshes::load_as_blob(("scenes/m.dae", nested.as_bytes()), "{file: m.dae}").is_err());
+    for nested in [meshes::DAE.replace("<asset>", &closed), "<a>".repeat(100_000)] {
+        assert!(meshes::load_as_blob(("scenes/m.dae", nested.as_bytes()), "{file: m.dae}").is_err());
+    }
 }
 
 #[test]

@@ -25,7 +25,7 @@ use crate::{Files, FixedObject, GivenOrdering, MovableObject, Problem, Region, R
 
 pub(crate) use names::did_you_mean;
 pub(crate) use numbers::GREATEST;
-pub(crate) use parse::read_text;
+pub(crate) use parse::{read_text, why_unread};
 
 use syntax::ProblemFile;
 

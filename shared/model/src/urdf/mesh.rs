@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::hull::{NoHull, extreme_points};
 use super::xml::nested_too_deep;
-use crate::files::{folder, join};
+use crate::locate::locate;
 use crate::problem_error::{FindingKind, Found, Source, Span};
 use crate::{Files, Shape};
 
@@ -15,8 +15,7 @@ const MAX_HULL_POINTS: usize = 2_000;
 
 /// The hull of a mesh that `owner` names at `span`.
 ///
-/// `reference` is a path relative to the owner, or `package://name/path`, sought in the package's known folders, then in
-/// the owner's folder and its ancestors. `scale` multiplies the mesh's coordinates. DAE units and axes are not applied.
+/// `reference` is found as [`locate`] does. `scale` multiplies the mesh's coordinates. DAE units and axes are not applied.
 pub(crate) fn load_hull(
     files: &dyn Files,
     owner: &Source,
@@ -25,7 +24,7 @@ pub(crate) fn load_hull(
     scale: Vector3<f64>,
 ) -> Found<Shape> {
     let bad = |message: String| owner.finding(span, FindingKind::BadRobot, message);
-    let (path, bytes) = find(files, owner, span, reference)?;
+    let (path, bytes) = locate(files, owner, span, "mesh", reference)?;
     let meshes = read_meshes(&path, &bytes).map_err(|why| {
         bad(format!("mesh {path}: {why}")).help("use an STL, OBJ or COLLADA (.dae) file that a viewer can open")
     })?;
@@ -54,7 +53,7 @@ fn read_meshes(path: &str, bytes: &[u8]) -> Result<Vec<mesh_loader::Mesh>, Strin
         let no_materials = |_: &std::path::Path| -> io::Result<Vec<u8>> { Ok(Vec::new()) };
         mesh_loader::Loader::default().load_from_slice_with_reader(bytes, path, no_materials)
     };
-    if bytes.windows(8).any(|window| window == b"<COLLADA") {
+    if path.to_lowercase().ends_with(".dae") || bytes.windows(8).any(|window| window == b"<COLLADA") {
         if announces_too_much(bytes) {
             return Err("it announces more values than it has bytes".to_owned());
         }
@@ -81,40 +80,4 @@ fn announces_too_much(bytes: &[u8]) -> bool {
             digits.fold(0_usize, |count, digit| count.saturating_mul(10).saturating_add(usize::from(digit - b'0')));
         count > bytes.len()
     })
-}
-
-/// Reads the first of the places in which a mesh may lie.
-fn find(files: &dyn Files, owner: &Source, span: Span, reference: &str) -> Found<(String, Vec<u8>)> {
-    let mut tried = Vec::new();
-    for path in candidates(files, &owner.path, reference) {
-        match files.read(&path) {
-            Ok(bytes) if bytes.len() <= crate::files::MAX_FILE_BYTES => return Ok((path, bytes)),
-            Ok(bytes) => tried.push(format!("{path}: {}", crate::files::too_large(bytes.len() as u64))),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => tried.push(path),
-            Err(error) => tried.push(format!("{path}: {error}")),
-        }
-    }
-    Err(owner
-        .finding(span, FindingKind::Unreadable, format!("no mesh {reference}"))
-        .help(format!("tried: {}", tried.join(", "))))
-}
-
-fn candidates(files: &dyn Files, owner: &str, reference: &str) -> Vec<String> {
-    let reference = reference.trim();
-    let Some(rest) = reference.strip_prefix("package://") else {
-        return vec![join(folder(owner), reference.strip_prefix("file://").unwrap_or(reference))];
-    };
-    let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
-    let mut paths: Vec<String> = files.package_folders(package).iter().map(|folder| join(folder, path)).collect();
-    let mut ancestor = folder(owner);
-    loop {
-        if ancestor.rsplit('/').next() == Some(package) {
-            paths.push(join(ancestor, path));
-        }
-        paths.push(join(ancestor, rest));
-        if ancestor.is_empty() || ancestor == "/" {
-            return paths;
-        }
-        ancestor = folder(ancestor);
-    }
 }

@@ -139,12 +139,12 @@ impl Timeline {
         for (object, hops) in scene.skeleton.hops.iter().enumerate() {
             for hop in 0..=hops.len() {
                 let occupancy = Occupancy { object: model::ObjectId::at(object), hop: hop as u32 };
-                let standing = scene.standing(assignment, occupancy)?;
                 let brought = hop.checked_sub(1).map(|before| Event::release(hops[before]));
                 let Some(from_s) = brought.map_or(Some(f64::NEG_INFINITY), |event| timeline.approach_s(scene, event))
                 else {
                     break;
                 };
+                let standing = scene.standing(assignment, occupancy)?;
                 let taken = hops.get(hop).and_then(|pair| timeline.event_s(scene, Event::grasp(*pair)));
                 let standing = TimedStanding { standing, from_s, until_s: taken.unwrap_or(f64::INFINITY) };
                 timeline.standings.push((occupancy, standing));

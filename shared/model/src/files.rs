@@ -37,7 +37,7 @@ impl Files for DiskFiles {
 pub struct PackageFiles {
     /// Package name and its folder.
     pub packages: Vec<(String, String)>,
-    /// Folders that hold packages as subfolders, as in `ROS_PACKAGE_PATH`.
+    /// Folders that are packages, by their own name, or hold them as subfolders, as in `ROS_PACKAGE_PATH`.
     pub search: Vec<String>,
 }
 
@@ -48,7 +48,11 @@ impl Files for PackageFiles {
 
     fn package_folders(&self, name: &str) -> Vec<String> {
         let named = self.packages.iter().filter(|(package, _)| package == name).map(|(_, folder)| folder.clone());
-        named.chain(self.search.iter().map(|folder| join(folder, name))).collect()
+        let of_search = self.search.iter().flat_map(|folder| {
+            let itself = folder.trim_end_matches('/').rsplit('/').next() == Some(name);
+            itself.then(|| folder.clone()).into_iter().chain([join(folder, name)])
+        });
+        named.chain(of_search).collect()
     }
 }
 
@@ -130,5 +134,6 @@ mod tests {
         let files = PackageFiles { packages: vec![("p".into(), "/x/p".into())], search: vec!["/ws/src".into()] };
         assert_eq!(files.package_folders("p"), ["/x/p", "/ws/src/p"]);
         assert_eq!(files.package_folders("q"), ["/ws/src/q"]);
+        assert_eq!(files.package_folders("src"), ["/ws/src", "/ws/src/src"], "a searched folder may be the package");
     }
 }

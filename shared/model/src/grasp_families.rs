@@ -20,16 +20,29 @@ pub(crate) struct HandDepth {
 
 impl HandDepth {
     /// Of a robot's hand. Without bodies, palm and tips are 25 mm from the tool's origin.
+    ///
+    /// A hand of one rigid piece holds with its front, as a suction cup does: palm and tips are one, at the front of its
+    /// bodies or, without bodies, at the tool's origin.
     pub(crate) fn of(robot: &Robot) -> Self {
         let hand = &robot.end_effector;
         let tool_from_link = hand.link_from_tool.inverse();
         let (mut palm, mut tip) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        let mut rigid = true;
         for link in &hand.links {
             let (parent_from_link, moves) = pose_at_zero(robot, hand, *link);
             let front = front(&robot.links[link.index()].bodies, &(tool_from_link * parent_from_link));
-            if moves { tip = tip.max(front) } else { palm = palm.max(front) }
+            if moves {
+                tip = tip.max(front)
+            } else {
+                palm = palm.max(front)
+            }
+            rigid &= !moves;
         }
         let known = |z: f64, default: f64| if z.is_finite() { z } else { default };
+        if rigid {
+            let front = known(palm, 0.0);
+            return Self { palm: front, tip: front };
+        }
         let palm = known(palm, -0.025);
         Self { palm, tip: known(tip, palm + 0.05).max(palm) }
     }

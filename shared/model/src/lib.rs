@@ -6,6 +6,7 @@
 //! [`load_problem`] reads a problem file and the robots and meshes that it names, through [`Files`], and resolves it into a
 //! [`Problem`] without paths or names to look up, or into a [`ProblemError`] that says where what is wrong.
 
+mod description;
 mod file;
 mod files;
 mod grasp;
@@ -22,6 +23,7 @@ mod shape;
 mod task;
 mod urdf;
 
+pub use description::{RobotTree, TreeJoint, load_robot, read_urdf};
 pub use file::{load_problem, problem_schema};
 pub use files::{DiskFiles, EmbeddedFiles, Files, PackageFiles};
 pub use grasp::{Grasp, GraspFamily};

@@ -1,7 +1,6 @@
 //! Which joints are planned, which follow the gripper, which stand still.
 
-use super::syntax::RobotFile;
-use crate::problem_error::{FindingKind, Found, Source};
+use crate::problem_error::{FindingKind, Found};
 use crate::urdf::{Description, JointDescription};
 use crate::{Coordinate, CoordinateId, Joint, JointId, JointMotion, JointValue};
 
@@ -22,12 +21,7 @@ pub(crate) struct Plan {
 /// Planned are the movable joints of the end effector's parent group (all but the gripper's, where the SRDF names none).
 /// Prismatic joints of the gripper are fingers, closed at 0; its other joints stand as the group state `open` says.
 /// Movable joints outside both groups stand as `home` says, or at the value within their limits that is nearest to 0.
-pub(crate) fn plan_coordinates(
-    source: &Source,
-    file: &RobotFile,
-    described: &Description,
-    base: Vec<Coordinate>,
-) -> Found<Plan> {
+pub(crate) fn plan_coordinates(described: &Description, base: Vec<Coordinate>) -> Found<Plan> {
     let mut coordinates = base;
     let base = coordinates.len();
     let fingers: Vec<f64> = (0..described.joints.len()).map(|joint| finger_travel(described, joint)).collect();
@@ -41,7 +35,7 @@ pub(crate) fn plan_coordinates(
             // Filled in below, when all leaders are known.
             JointValue::Constant(0.0)
         } else if described.srdf.gripper_joints.contains(&position) {
-            gripper_value(source, file, described, position, fingers[position], max_opening)?
+            gripper_value(described, position, fingers[position], max_opening)?
         } else if described.srdf.arm_joints.as_ref().is_none_or(|arm| arm.contains(&position)) {
             planned.push(position);
             coordinates.push(coordinate(joint));
@@ -110,14 +104,7 @@ fn travel(joint: &JointDescription) -> f64 {
     if limit.upper.abs() >= limit.lower.abs() { limit.upper } else { limit.lower }
 }
 
-fn gripper_value(
-    source: &Source,
-    file: &RobotFile,
-    described: &Description,
-    position: usize,
-    travel: f64,
-    max_opening: f64,
-) -> Found<JointValue> {
+fn gripper_value(described: &Description, position: usize, travel: f64, max_opening: f64) -> Found<JointValue> {
     let joint = &described.joints[position];
     if travel != 0.0 && joint.limit.lower <= 0.0 && joint.limit.upper >= 0.0 {
         return Ok(JointValue::Finger { scale: travel / max_opening });
@@ -131,15 +118,6 @@ fn gripper_value(
                 format!("gripper joint `{}` is no sliding finger, closed at 0", joint.name),
             )
             .help("add a group state `open` to the SRDF: such a joint is kept at its open value"));
-    }
-    if file.max_opening.is_none() && max_opening == 0.0 {
-        return Err(source
-            .finding(
-                file.name.span,
-                FindingKind::BadRobot,
-                format!("how far the hand of `{}` opens is not known", file.name.value),
-            )
-            .help("add `max_opening` (m)"));
     }
     Ok(JointValue::Constant(standing_value(described, position, "open")))
 }

@@ -1,5 +1,6 @@
 //! The problem file: from YAML to the resolved problem, or to findings that name file, line and remedy.
 
+pub(crate) mod alone;
 mod at;
 mod coordinates;
 mod cycle;
@@ -148,6 +149,11 @@ fn task(source: &Source, file: &ProblemFile, scene: &Scene) -> Result<(task::Pai
 
 fn grasps(source: &Source, file: &ProblemFile, pairs: &task::Pairs, scene: &mut Scene) -> Result<(), ProblemError> {
     let mut findings = Findings::default();
+    for (index, (entry, robot)) in file.robots.iter().zip(&scene.robots).enumerate() {
+        let carries = pairs.pairs.iter().any(|pair| pair.robot.index() == index);
+        findings.keep(if carries { robots::check_opening(source, entry, robot) } else { Ok(()) });
+    }
+    findings.end()?;
     let mut carriers = vec![BTreeSet::new(); scene.movable.len()];
     for pair in &pairs.pairs {
         carriers[pair.object.index()].insert(pair.robot);

@@ -10,25 +10,37 @@ use super::parse::why_unread;
 use super::start::{named_state, start};
 use super::syntax::{BaseFile, RobotFile};
 use crate::files::{folder, join};
+use crate::locate::locate;
 use crate::problem_error::{FindingKind, Found, Source};
 use crate::urdf::{Description, describe};
 use crate::{Coordinate, EndEffector, Files, LinkId, PlanarBase, Pose, Robot};
 
 /// Resolves one robot.
 pub(crate) fn robot(files: &dyn Files, source: &Source, file: &RobotFile) -> Found<Robot> {
-    let beside = |path: &str| join(folder(&source.path), path);
-    for path in [&file.urdf, &file.srdf] {
-        if let Err(error) = files.read(&beside(path)) {
-            return Err(source
-                .finding(path.span, FindingKind::Unreadable, format!("{}: {}", beside(path), why_unread(&error)))
-                .help("give a path relative to the folder of this file"));
-        }
+    let described = describe(files, &find(files, source, &file.urdf)?, &find(files, source, &file.srdf)?)?;
+    resolve(source, file, described)
+}
+
+/// The path of a file that the problem names, once it can be read.
+fn find(files: &dyn Files, source: &Source, named: &At<String>) -> Found<String> {
+    if named.value.trim_start().starts_with("package://") {
+        return locate(files, source, named.span, "file", &named.value).map(|(path, _)| path);
     }
-    let described = describe(files, &beside(&file.urdf), &beside(&file.srdf))?;
+    let path = join(folder(&source.path), &named.value);
+    match files.read(&path) {
+        Ok(_) => Ok(path),
+        Err(error) => Err(source
+            .finding(named.span, FindingKind::Unreadable, format!("{path}: {}", why_unread(&error)))
+            .help("give a path relative to the folder of this file, or `package://name/path`")),
+    }
+}
+
+/// Joins the description files with what the problem says.
+pub(crate) fn resolve(source: &Source, file: &RobotFile, described: Description) -> Found<Robot> {
     let world_from_base = pose(source, file.pose.as_ref(), "the robot's pose")?;
     let base = base(source, file, &described, &world_from_base)?;
     let base_coordinates = base.as_ref().map_or_else(Vec::new, |(_, coordinates)| coordinates.clone());
-    let plan = plan_coordinates(source, file, &described, base_coordinates)?;
+    let plan = plan_coordinates(&described, base_coordinates)?;
     let home = named_state(&described, &plan, "home")?;
     let home = home.ok_or_else(|| {
         described.srdf_source.finding(described.srdf.span, FindingKind::BadRobot, "no group state `home`").help(
@@ -127,6 +139,18 @@ fn opening(source: &Source, at: &At<f64>, widest: f64) -> Found<f64> {
     Err(source
         .finding(at.span, FindingKind::BadNumber, format!("the fingers cannot open {opening} m"))
         .help(format!("their joints' limits allow {widest:.4} m")))
+}
+
+/// Refuses a robot that carries objects with a hand of which nothing says how wide they may be.
+pub(crate) fn check_opening(source: &Source, file: &RobotFile, robot: &Robot) -> Found<()> {
+    if robot.end_effector.max_opening > 0.0 {
+        return Ok(());
+    }
+    let message =
+        format!("how wide an object the hand of `{}` takes is not known: it has no sliding fingers", robot.name);
+    Err(source
+        .finding(file.name.span, FindingKind::BadRobot, message)
+        .help("add `max_opening` (m); a suction cup may take objects wider than itself"))
 }
 
 /// Pose of the tool link in the parent link, both on one rigid piece.

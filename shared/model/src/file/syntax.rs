@@ -43,9 +43,9 @@ pub(crate) struct ProblemFile {
 pub(crate) struct RobotFile {
     /// Unique name.
     pub name: At<String>,
-    /// URDF file, relative to this file.
+    /// URDF file, relative to this file, or `package://name/path`.
     pub urdf: At<String>,
-    /// SRDF file, relative to this file.
+    /// SRDF file, relative to this file, or `package://name/path`.
     pub srdf: At<String>,
     /// Where the root link stands; for a planar base, the frame in which x, y and yaw are measured. Default: the world's origin.
     pub pose: Option<At<PoseFile>>,
@@ -56,7 +56,8 @@ pub(crate) struct RobotFile {
     /// Link whose frame is the tool frame: origin between the fingers, z along the approach, y along the closing direction.
     /// It must be fixed to the end effector's parent link. Default: that parent link.
     pub tool: Option<At<String>>,
-    /// Greatest opening between the fingers (m). Default: what the finger joints' limits allow.
+    /// Greatest opening between the fingers (m). Default: what the finger joints' limits allow. For a hand without sliding
+    /// fingers, such as a suction cup, the greatest width of an object that it takes: then it must be given.
     pub max_opening: Option<At<f64>>,
     /// What the robot does after its last pair.
     #[serde(default)]

@@ -62,10 +62,26 @@ pub(crate) struct Mimic {
     pub offset: f64,
 }
 
+/// A robot as its URDF alone describes it.
+pub(crate) struct UrdfDescription {
+    pub urdf: Source,
+    /// Links; the root first.
+    pub links: Vec<Link>,
+    /// Joints, each after the joint that moves its parent link.
+    pub joints: Vec<JointDescription>,
+}
+
 /// Reads a robot's two files.
 pub(crate) fn describe(files: &dyn Files, urdf_path: &str, srdf_path: &str) -> Found<Description> {
-    let urdf = read_text(files, urdf_path)?;
+    let UrdfDescription { urdf, links, joints } = describe_urdf(files, urdf_path)?;
     let srdf_source = read_text(files, srdf_path)?;
+    let srdf = srdf::srdf(&srdf_source, &links, &joints)?;
+    Ok(Description { links, joints, srdf, srdf_source, urdf })
+}
+
+/// Reads a URDF with its meshes.
+pub(crate) fn describe_urdf(files: &dyn Files, urdf_path: &str) -> Found<UrdfDescription> {
+    let urdf = read_text(files, urdf_path)?;
     let document = xml::parse(&urdf, "URDF")?;
     let links: Vec<_> = xml::children(document.root_element(), "link").collect();
     let joints: Vec<_> = xml::children(document.root_element(), "joint").collect();
@@ -88,8 +104,7 @@ pub(crate) fn describe(files: &dyn Files, urdf_path: &str, srdf_path: &str) -> F
     }
     let joints = joints::joints(&urdf, &tree, &joints, &read.joints)?;
     let links = shapes::links(files, &urdf, &tree, &links, &read.links)?;
-    let srdf = srdf::srdf(&srdf_source, &links, &joints)?;
-    Ok(Description { links, joints, srdf, srdf_source, urdf: urdf.clone() })
+    Ok(UrdfDescription { links, joints, urdf: urdf.clone() })
 }
 
 impl Description {

@@ -14,7 +14,8 @@ use crate::{Link, LinkId};
 pub(crate) struct Srdf {
     pub virtual_joint: Option<VirtualJoint>,
     pub end_effector: EndEffectorEntry,
-    /// Positions of the joints of the end effector's group.
+    /// Positions of the joints of the end effector's group, but for those that move its parent link too: they are the arm's,
+    /// even where the group lists a link of the arm so that it may touch what the hand holds.
     pub gripper_joints: BTreeSet<usize>,
     /// Positions of the joints of the end effector's parent group; all joints where none is named.
     pub arm_joints: Option<BTreeSet<usize>>,
@@ -70,16 +71,17 @@ pub(crate) fn srdf(source: &Source, links: &[Link], joints: &[JointDescription])
         Some(name) => Some(reader.group(name, entry)?.joints),
         None => None,
     };
+    let parent_link = reader.link(entry, "parent_link")?;
     let end_effector = EndEffectorEntry {
         name: attribute(source, entry, "name")?.to_owned(),
-        parent_link: reader.link(entry, "parent_link")?,
+        parent_link,
         links: gripper.links.iter().copied().collect(),
         span: span(source, entry),
     };
     Ok(Srdf {
         virtual_joint: reader.virtual_joint()?,
         end_effector,
-        gripper_joints: gripper.joints,
+        gripper_joints: &gripper.joints - &reader.joints_above(parent_link),
         arm_joints,
         states: reader.states()?,
         disabled: reader.disabled()?,
@@ -208,6 +210,12 @@ impl<'a, 'i> Reader<'a, 'i> {
             link = self.joints[joint].parent;
         }
         Ok(())
+    }
+
+    /// Positions of the joints between the root and a link.
+    fn joints_above(&self, link: LinkId) -> BTreeSet<usize> {
+        let moves = |link: LinkId| self.joints.iter().position(|joint| joint.child == link);
+        std::iter::successors(moves(link), |joint| moves(self.joints[*joint].parent)).collect()
     }
 
     fn link(&self, node: Node<'_, '_>, name: &str) -> Found<LinkId> {

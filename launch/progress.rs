@@ -73,6 +73,11 @@ impl Progress {
             LedgerEntry::Decided(Decision::Commit(mode)) => {
                 self.say(&format!("[refiner] {} is committed", crate::words::mode(problem, *mode)));
             }
+            LedgerEntry::Decided(Decision::Order(order)) => {
+                let (before, after) = (order.before.describe(problem), order.after.describe(problem));
+                let because = crate::words::cause(&order.cause);
+                self.say(&format!("[refiner] ordering added: {before} before {after}: {because}"));
+            }
             LedgerEntry::Decided(Decision::Drrt) => self.say("[refiner] the composite search takes over"),
             LedgerEntry::Backtrack { stage, because, .. } => {
                 let because =

@@ -1,45 +1,55 @@
-//! One placement candidate: alternatives for its pairs, roadmaps for its modes, composite motion.
+//! One placement candidate: alternatives for its pairs, roadmaps for its modes, orderings, composite motion.
 
 use contract::{
-    Alternative, Answer, Assignment, Decision, LedgerEntry, PlacementCandidate, ProductRef, Request, StageKind,
-    TransitionJob,
+    Alternative, Answer, Assignment, Decision, DiscoveredOrder, LedgerEntry, PlacementCandidate, ProductRef, Request,
+    StageKind, TransitionJob,
 };
-use model::{GraspId, ObjectId, PairId, Pose, Problem, Standing};
+use model::{GraspId, PairId, Pose, Problem, Standing};
 use plan::Cause;
 use skeleton::{Occupancy, Skeleton};
 
 use crate::budgets::Budgets;
+use crate::choice::PairChoice;
+use crate::conflict::{Choice, Conflict, Stuck};
 use crate::roadmaps::ModeAnswer;
-use crate::search::{Search, Stuck, failed, misfit};
+use crate::search::{Search, misfit};
 
 /// Alternatives asked for each pair.
 const ALTERNATIVES: u32 = 48;
-/// Composite failures of one placement candidate after which it is given up.
-const COMPOSITE_FAILURES: u32 = 8;
 
 /// The choices of one placement candidate.
 pub(crate) struct Candidate<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) level: u32,
     pub(crate) budgets: Budgets,
+    /// The event graph holds every ordering of `orders`.
     pub(crate) skeleton: Skeleton,
     /// `poses[object][hop]`.
     pub(crate) poses: Vec<Vec<Pose>>,
-    /// Alternatives left for each pair; the first is the present choice.
-    pub(crate) alternatives: Vec<Vec<Alternative>>,
-    /// How often each pair's alternative was given up.
-    revisions: Vec<u32>,
-    placement: &'a PlacementCandidate,
+    pub(crate) choices: Vec<PairChoice>,
+    /// Discovered orderings: those of the placement, then those added since.
+    pub(crate) orders: Vec<DiscoveredOrder>,
+    /// Alternatives of each pair as the transition stage gave them.
+    offered: Vec<Vec<Alternative>>,
+    /// Failures of composite motion that are still allowed.
+    patience: u32,
 }
+
+/// Roadmaps of all modes, robot by robot.
+pub(crate) type Modes = Vec<Vec<ModeAnswer>>;
+
+/// The product of a plan and its makespan (s).
+pub(crate) type Found = (ProductRef, f64);
 
 impl<'a> Candidate<'a> {
     pub(crate) fn new(
-        problem: &'a Problem,
+        search: &Search<'a>,
         level: u32,
         budgets: Budgets,
         skeleton: Skeleton,
-        placement: &'a PlacementCandidate,
+        placement: &PlacementCandidate,
     ) -> Self {
+        let problem = search.problem();
         let pose_after = |pair: PairId| {
             let placed = placement.placements.iter().find(|placed| placed.pair == pair);
             placed.map(|placed| placed.world_from_object)
@@ -50,84 +60,150 @@ impl<'a> Candidate<'a> {
                 std::iter::once(problem.movable[m].world_from_start).chain(hops).collect()
             })
             .collect();
-        let alternatives = vec![Vec::new(); problem.pairs.len()];
-        let revisions = vec![0; problem.pairs.len()];
-        Self { problem, level, budgets, skeleton, poses, alternatives, revisions, placement }
+        Self {
+            problem,
+            level,
+            budgets,
+            skeleton,
+            poses,
+            choices: vec![PairChoice::default(); problem.pairs.len()],
+            orders: placement.orders.clone(),
+            offered: vec![Vec::new(); problem.pairs.len()],
+            patience: search.statement.options.composite_failures,
+        }
     }
 
     /// Completes the candidate to a plan.
-    pub(crate) fn complete(mut self, search: &mut Search<'_>) -> Result<(ProductRef, f64), Stuck> {
+    pub(crate) fn complete(mut self, search: &mut Search<'_>) -> Result<Found, Stuck> {
         self.ask_alternatives(search)?;
-        for pair in 0..self.problem.pairs.len() {
-            self.drop_blocked(search, PairId::at(pair))?;
-        }
-        for _ in 0..COMPOSITE_FAILURES {
+        self.settle(search)
+    }
+
+    /// Completes the candidate under its present orderings, revising alternatives and adding orderings on the way.
+    pub(crate) fn settle(&mut self, search: &mut Search<'_>) -> Result<Found, Stuck> {
+        self.drop_blocked(search)?;
+        loop {
             let modes = self.roadmaps(search)?;
-            match self.compose(search, &modes) {
-                Ok(plan) => return Ok(plan),
-                Err(Blocked::Fault(fault)) => return Err(Stuck::Fault(fault)),
-                Err(Blocked::Between(pairs, causes)) => {
-                    let pair = self.least_revised(&pairs).ok_or_else(|| Stuck::Failed(causes.clone()))?;
-                    self.next_alternative(search, pair, causes)?;
-                }
-            }
+            let conflict = match self.obstructed(&modes) {
+                Some(obstructed) => match self.order(search, &obstructed) {
+                    Ok(found) => return Ok(found),
+                    Err(Stuck::Failed(conflict)) => conflict,
+                    Err(fault) => return Err(fault),
+                },
+                None => match self.compose(search, &modes) {
+                    Ok(found) => return Ok(found),
+                    Err(Stuck::Failed(conflict)) => self.less_patient(conflict)?,
+                    Err(fault) => return Err(fault),
+                },
+            };
+            self.revise(search, conflict)?;
         }
-        Err(Stuck::Failed(vec![(Cause::Budget { stage: StageKind::Composite.name().to_owned() }, 1)]))
+    }
+
+    /// Counts a failure of composite motion; when there were too many, the whole placement is given up.
+    fn less_patient(&mut self, mut conflict: Conflict) -> Result<Conflict, Stuck> {
+        self.patience = self.patience.saturating_sub(1);
+        if self.patience > 0 {
+            return Ok(conflict);
+        }
+        // Giving up proves nothing about fewer choices than all.
+        let poses = self.skeleton.occupancies().map(Choice::Pose);
+        conflict.choices = poses.collect();
+        conflict.causes.count(Cause::Budget { stage: StageKind::Composite.name().to_owned() });
+        Err(Stuck::Failed(conflict))
     }
 
     fn ask_alternatives(&mut self, search: &mut Search<'_>) -> Result<(), Stuck> {
-        let jobs: Vec<_> = (0..self.problem.pairs.len())
-            .map(|i| {
-                let pair = PairId::at(i);
-                let [from, to] = [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)];
-                self.budgets.job(Request::Transition(TransitionJob {
-                    pair,
-                    world_from_pick: self.pose(from),
-                    world_from_place: self.pose(to),
-                    level: self.level,
-                    first: 0,
-                    count: ALTERNATIVES,
-                }))
-            })
-            .collect();
-        for (i, outcome) in search.ask(&jobs)?.into_iter().enumerate() {
+        let ends = |pair| [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)];
+        let pairs: Vec<PairId> = (0..self.problem.pairs.len()).map(PairId::at).collect();
+        let job = |pair: &PairId| {
+            let [from, to] = ends(*pair);
+            self.budgets.job(Request::Transition(TransitionJob {
+                pair: *pair,
+                world_from_pick: self.pose(from),
+                world_from_place: self.pose(to),
+                level: self.level,
+                first: 0,
+                count: ALTERNATIVES,
+            }))
+        };
+        let jobs: Vec<_> = pairs.iter().map(job).collect();
+        for ((pair, job), outcome) in pairs.iter().zip(&jobs).zip(search.ask(&jobs)?) {
             match outcome.result {
-                Ok(Answer::Alternatives(alternatives)) => self.alternatives[i] = alternatives,
+                Ok(Answer::Alternatives(alternatives)) => {
+                    self.offered[pair.index()] = alternatives;
+                    self.reopen(*pair);
+                }
                 Ok(_) => return Err(misfit(StageKind::Transition).into()),
-                Err(report) => return Err(failed(report)),
+                Err(report) => {
+                    let at_fault = self.ends_at_fault(*pair, &report.causes);
+                    return Err(Stuck::Failed(Conflict::of(at_fault, &report.causes, Some(search.id(job)))));
+                }
             }
         }
         Ok(())
     }
 
-    /// Of pairs that block one another, the one revised least often so far that has another alternative.
-    fn least_revised(&self, pairs: &[PairId]) -> Option<PairId> {
-        let open = pairs.iter().filter(|pair| self.alternatives[pair.index()].len() > 1);
-        open.min_by_key(|pair| self.revisions[pair.index()]).copied()
+    /// The poses that a failure of the transition stage depends on: one end if only that is out of reach, else both.
+    fn ends_at_fault(&self, pair: PairId, causes: &[(Cause, u64)]) -> Vec<Choice> {
+        let [from, to] = [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)];
+        let pair = self.problem.pair(pair);
+        let unreachable = |region: model::RegionId| {
+            let name = &self.problem.regions[region.index()].name;
+            causes.iter().any(|(cause, _)| matches!(cause, Cause::Unreachable { region, .. } if region == name))
+        };
+        match (pair.from != pair.to, unreachable(pair.from), unreachable(pair.to)) {
+            (true, true, false) => vec![Choice::Pose(from)],
+            (true, false, true) => vec![Choice::Pose(to)],
+            _ => vec![Choice::Pose(from), Choice::Pose(to)],
+        }
     }
 
-    /// Gives up the present alternative of a pair for the next one.
-    pub(crate) fn next_alternative(
-        &mut self,
-        search: &mut Search<'_>,
-        pair: PairId,
-        causes: Vec<(Cause, u64)>,
-    ) -> Result<(), Stuck> {
-        let left = &mut self.alternatives[pair.index()];
-        if left.is_empty() {
-            return Err(Stuck::Failed(causes));
-        }
-        let given_up = left.remove(0);
-        self.revisions[pair.index()] += 1;
-        search.backtrack(StageKind::Transition, Decision::Alternative { pair, index: given_up.index }, &causes);
-        match left.first() {
-            Some(next) => {
-                let index = next.index;
-                search.commit(LedgerEntry::Decided(Decision::Alternative { pair, index }));
-                Ok(())
+    /// Revises the last pair that a conflict depends on; pairs that leave no alternative hand their conflicts on
+    /// (conflict-directed backjumping, Prosser, doi:10.1111/j.1467-8640.1993.tb00310.x).
+    pub(crate) fn revise(&mut self, search: &mut Search<'_>, mut conflict: Conflict) -> Result<(), Stuck> {
+        while let Some(pair) = self.pair_to_revise(&conflict) {
+            conflict.choices.remove(&Choice::Alternative(pair));
+            let because = conflict.first_cause();
+            if let Some(given_up) = self.choices[pair.index()].chosen() {
+                let decision = Decision::Alternative { pair, index: given_up.index };
+                search.backtrack(StageKind::Transition, decision, because);
             }
-            None => Err(Stuck::Failed(causes)),
+            match self.choices[pair.index()].give_up(conflict) {
+                Ok(next) => {
+                    let index = next.index;
+                    search.commit(LedgerEntry::Decided(Decision::Alternative { pair, index }));
+                    return Ok(());
+                }
+                Err(all) => {
+                    conflict = all;
+                    conflict.choices.extend(self.ends(pair));
+                    self.reopen(pair);
+                }
+            }
         }
+        Err(Stuck::Failed(conflict))
+    }
+
+    /// The least often revised pair of the conflict, of several the last: pairs that block one another take turns.
+    fn pair_to_revise(&self, conflict: &Conflict) -> Option<PairId> {
+        let last = conflict.last_pair()?;
+        let pairs = conflict.choices.iter().filter_map(|choice| match choice {
+            Choice::Alternative(pair) => Some(*pair),
+            Choice::Pose(_) => None,
+        });
+        let open = pairs.filter(|pair| self.choices[pair.index()].left().len() > 1);
+        let turn = open.min_by_key(|pair| (self.choices[pair.index()].revisions, std::cmp::Reverse(*pair)));
+        Some(turn.unwrap_or(last))
+    }
+
+    fn reopen(&mut self, pair: PairId) {
+        let offered = self.offered[pair.index()].clone();
+        self.choices[pair.index()].reopen(offered);
+    }
+
+    fn ends(&self, pair: PairId) -> [Choice; 2] {
+        [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)].map(Choice::Pose)
     }
 
     pub(crate) fn pose(&self, occupancy: Occupancy) -> Pose {
@@ -138,38 +214,17 @@ impl<'a> Candidate<'a> {
         Standing { object: occupancy.object, world_from_object: self.pose(occupancy) }
     }
 
+    /// The chosen alternative of a pair.
     pub(crate) fn chosen(&self, pair: PairId) -> Result<&Alternative, Stuck> {
-        self.alternatives[pair.index()].first().ok_or_else(|| Stuck::Failed(Vec::new()))
+        self.choices[pair.index()].chosen().ok_or_else(|| Stuck::Failed(Conflict::default()))
     }
 
     pub(crate) fn assignment(&self) -> Assignment {
-        let grasp = |alternatives: &Vec<Alternative>| alternatives.first().map_or(GraspId(0), |chosen| chosen.grasp);
+        let grasp = |choice: &PairChoice| choice.chosen().map_or(GraspId(0), |chosen| chosen.grasp);
         Assignment {
             poses: self.poses.clone(),
-            grasps: self.alternatives.iter().map(grasp).collect(),
-            orders: self.placement.orders.clone(),
+            grasps: self.choices.iter().map(grasp).collect(),
+            orders: self.orders.clone(),
         }
     }
-
-    /// Name of the object for messages.
-    pub(crate) fn object_name(&self, object: ObjectId) -> String {
-        self.problem.movable[object.index()].name.clone()
-    }
 }
-
-/// Why composite motion was not found.
-pub(crate) enum Blocked {
-    /// Asking failed.
-    Fault(contract::AskFault),
-    /// One of these pairs should be done in another way.
-    Between(Vec<PairId>, Vec<(Cause, u64)>),
-}
-
-impl From<contract::AskFault> for Blocked {
-    fn from(fault: contract::AskFault) -> Self {
-        Self::Fault(fault)
-    }
-}
-
-/// Roadmaps of all modes, robot by robot.
-pub(crate) type Modes = Vec<Vec<ModeAnswer>>;

@@ -1,14 +1,17 @@
 //! Composite motion of one set of roadmaps: mode by mode with safe tails, then the composite search.
 
+use std::collections::BTreeSet;
+
 use contract::{
-    Answer, AskFault, CauseTally, ComposeJob, CompositeMethod, Composition, Decision, Job, LedgerEntry, ProductRef,
-    Request, StageKind,
+    Answer, AskFault, ComposeJob, CompositeMethod, Composition, Decision, Job, LedgerEntry, ProductRef, Request,
+    StageKind,
 };
 use model::PairId;
 use plan::Cause;
 use skeleton::{Event, Mode, ModeId};
 
-use crate::candidate::{Blocked, Candidate, Modes};
+use crate::candidate::{Candidate, Found, Modes};
+use crate::conflict::{Choice, Conflict, Stuck};
 use crate::search::{Search, misfit};
 
 /// A mode that could be committed next.
@@ -19,17 +22,16 @@ struct Ready {
 }
 
 impl Candidate<'_> {
-    /// A plan over the roadmaps, or the pairs one of which should be done in another way.
-    pub(crate) fn compose(&self, search: &mut Search<'_>, modes: &Modes) -> Result<(ProductRef, f64), Blocked> {
+    /// A plan over the roadmaps.
+    pub(crate) fn compose(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Found, Stuck> {
         let prefix = match search.statement.composite {
-            CompositeMethod::Drrt => self.drrt(search, modes, None)?,
+            CompositeMethod::Drrt => self.drrt(search, modes, None, self.all_pairs())?,
             CompositeMethod::Prioritised => match self.commit_modes(search, modes)? {
                 Committed::All(prefix) => prefix,
-                Committed::Part(prefix, between, causes) => match self.drrt(search, modes, prefix) {
-                    Ok(prefix) => prefix,
-                    Err(Blocked::Between(..)) => return Err(Blocked::Between(between, causes)),
-                    Err(fault) => return Err(fault),
-                },
+                Committed::Part(prefix, conflict) if conflict.choices.is_empty() => {
+                    self.drrt(search, modes, prefix, self.all_pairs())?
+                }
+                Committed::Part(prefix, conflict) => self.drrt(search, modes, prefix, conflict.choices)?,
             },
         };
         let shortest_s = modes.iter().map(|robot| robot.iter().map(|mode| mode.shortest_s).collect()).collect();
@@ -37,12 +39,12 @@ impl Candidate<'_> {
         match search.ask_one(&job)?.result {
             Ok(Answer::Plan { plan, makespan_s }) => Ok((plan, makespan_s)),
             Ok(_) => Err(misfit(StageKind::Composite).into()),
-            Err(report) => Err(Blocked::Between(self.all_pairs(), report.causes)),
+            Err(report) => Err(Stuck::Failed(Conflict::of(self.all_pairs(), &report.causes, Some(search.id(&job))))),
         }
     }
 
-    fn all_pairs(&self) -> Vec<PairId> {
-        (0..self.problem.pairs.len()).map(PairId::at).collect()
+    fn all_pairs(&self) -> BTreeSet<Choice> {
+        (0..self.problem.pairs.len()).map(|pair| Choice::Alternative(PairId::at(pair))).collect()
     }
 
     /// Commits the mode whose event comes earliest, again and again, until all are committed or none can be.
@@ -57,8 +59,8 @@ impl Candidate<'_> {
             }
             let jobs: Vec<Job> = ready.iter().map(|mode| self.commit_job(modes, prefix, mode.id)).collect();
             let mut best: Option<Ready> = None;
-            let (mut between, mut causes) = (Vec::new(), CauseTally::default());
-            for (mode, outcome) in ready.iter().zip(search.ask(&jobs)?) {
+            let mut conflict = Conflict::default();
+            for ((mode, job), outcome) in ready.iter().zip(&jobs).zip(search.ask(&jobs)?) {
                 match outcome.result {
                     Ok(Answer::Committed { prefix, event_s, .. }) => {
                         if best.as_ref().is_none_or(|best| event_s < best.event_s) {
@@ -67,13 +69,14 @@ impl Candidate<'_> {
                     }
                     Ok(_) => return Err(misfit(StageKind::Composite)),
                     Err(report) => {
-                        between.extend(mode.pair.or(mode.begins.map(|event| event.pair)));
-                        between.extend(self.pairs_at_fault(&report.causes, &next));
-                        causes.count_all(&report.causes);
+                        let own = mode.pair.or(mode.begins.map(|event| event.pair));
+                        let pairs = own.into_iter().chain(self.pairs_at_fault(&report.causes, &next));
+                        let choices = pairs.map(Choice::Alternative);
+                        conflict.merge(Conflict::of(choices, &report.causes, Some(search.id(job))));
                     }
                 }
             }
-            let Some(best) = best else { return Ok(Committed::Part(prefix, between, causes.ranked())) };
+            let Some(best) = best else { return Ok(Committed::Part(prefix, conflict)) };
             search.commit(LedgerEntry::Decided(Decision::Commit(best.mode)));
             next[best.mode.robot.index()] += 1;
             prefix = Some(best.prefix);
@@ -125,7 +128,14 @@ impl Candidate<'_> {
         })
     }
 
-    fn drrt(&self, search: &mut Search<'_>, modes: &Modes, prefix: Option<ProductRef>) -> Result<ProductRef, Blocked> {
+    /// The composite search for everything after a prefix; where it fails, one of `between` should change.
+    fn drrt(
+        &self,
+        search: &mut Search<'_>,
+        modes: &Modes,
+        prefix: Option<ProductRef>,
+        mut between: BTreeSet<Choice>,
+    ) -> Result<ProductRef, Stuck> {
         search.commit(LedgerEntry::Decided(Decision::Drrt));
         let roadmaps = modes.iter().map(|robot| robot.iter().map(|mode| mode.roadmap).collect()).collect();
         let job = self.compose_job(Composition::Drrt { prefix, roadmaps });
@@ -133,8 +143,11 @@ impl Candidate<'_> {
             Ok(Answer::Committed { prefix, .. }) => Ok(prefix),
             Ok(_) => Err(misfit(StageKind::Composite).into()),
             Err(report) => {
-                search.backtrack(StageKind::Composite, Decision::Drrt, &report.causes);
-                Err(Blocked::Between(self.all_pairs(), report.causes))
+                // All robots move among all poses: which of them matter is not known.
+                between.extend(self.skeleton.occupancies().map(Choice::Pose));
+                let conflict = Conflict::of(between, &report.causes, Some(search.id(&job)));
+                search.backtrack(StageKind::Composite, Decision::Drrt, conflict.first_cause());
+                Err(Stuck::Failed(conflict))
             }
         }
     }
@@ -148,6 +161,6 @@ impl Candidate<'_> {
 enum Committed {
     /// All modes.
     All(ProductRef),
-    /// The prefix so far, the pairs whose modes could not be committed, and why.
-    Part(Option<ProductRef>, Vec<PairId>, Vec<(Cause, u64)>),
+    /// The prefix so far, and why no mode could be committed after it.
+    Part(Option<ProductRef>, Conflict),
 }

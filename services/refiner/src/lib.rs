@@ -6,7 +6,10 @@
 mod alternatives;
 mod budgets;
 mod candidate;
+mod choice;
 mod compose;
+mod conflict;
+mod orders;
 mod roadmaps;
 mod search;
 

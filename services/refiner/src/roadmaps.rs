@@ -4,17 +4,20 @@ use contract::{
     Alternative, Answer, Job, ModeJob, Obstruction, PieceJob, PieceSpec, ProductRef, Reach, Request, StageKind,
 };
 use model::{Configuration, EndPolicy, Holding, PairId, RobotId};
-use plan::Cause;
-use skeleton::{Mode, ModeKind, Presence};
+use plan::{BodyRef, Cause};
+use skeleton::{Mode, ModeKind, Occupancy, Presence};
 
 use crate::candidate::{Candidate, Modes};
-use crate::search::{Search, Stuck, misfit};
+use crate::conflict::{Choice, Conflict, Stuck};
+use crate::search::{Search, misfit};
 
 /// Roadmap of a mode.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ModeAnswer {
     pub(crate) roadmap: ProductRef,
     pub(crate) shortest_s: f64,
+    /// Possible poses that are in every way.
+    pub(crate) in_the_way: Vec<Occupancy>,
 }
 
 /// An end of a mode: its configuration, and the arm piece that leads there unless the arm is folded.
@@ -42,22 +45,19 @@ impl ModePieces {
     }
 }
 
-/// The pair whose alternative must be revised, and why.
-type Revise = (PairId, Vec<(Cause, u64)>);
-
 impl Candidate<'_> {
     /// Roadmaps of all modes; alternatives whose roadmaps do not connect are given up on the way.
     pub(crate) fn roadmaps(&mut self, search: &mut Search<'_>) -> Result<Modes, Stuck> {
         loop {
             match self.try_roadmaps(search)? {
                 Ok(modes) => return Ok(modes),
-                Err((pair, causes)) => self.next_alternative(search, pair, causes)?,
+                Err(conflict) => self.revise(search, conflict)?,
             }
         }
     }
 
     /// Asks for all pieces at once, then for all mode roadmaps at once.
-    fn try_roadmaps(&self, search: &mut Search<'_>) -> Result<Result<Modes, Revise>, Stuck> {
+    fn try_roadmaps(&self, search: &mut Search<'_>) -> Result<Result<Modes, Conflict>, Stuck> {
         let modes: Vec<Mode> = self.skeleton.modes.iter().flatten().copied().collect();
         let pieces = modes.iter().map(|mode| self.pieces(mode)).collect::<Result<Vec<_>, _>>()?;
         let wanted: Vec<Job> = pieces.iter().flat_map(ModePieces::jobs).cloned().collect();
@@ -72,19 +72,26 @@ impl Candidate<'_> {
                 match outcome.result {
                     Ok(Answer::Piece(product)) => *slot = Some(product),
                     Ok(_) => return Err(misfit(StageKind::Roadmap).into()),
-                    Err(report) => return Ok(Err((self.pair_of_piece(mode, piece), report.causes))),
+                    Err(report) => {
+                        let pair = Choice::Alternative(self.pair_of_piece(mode, piece));
+                        return Ok(Err(Conflict::of([pair], &report.causes, Some(search.id(piece)))));
+                    }
                 }
             }
             jobs.push(self.mode_job(mode, pieces, products));
         }
         let mut answers: Modes = vec![Vec::new(); self.problem.robots.len()];
-        for (mode, outcome) in modes.iter().zip(search.ask(&jobs)?) {
+        for ((mode, job), outcome) in modes.iter().zip(&jobs).zip(search.ask(&jobs)?) {
             match outcome.result {
-                Ok(Answer::Mode { roadmap, shortest_s, .. }) => {
-                    answers[mode.id.robot.index()].push(ModeAnswer { roadmap, shortest_s });
+                Ok(Answer::Mode { roadmap, shortest_s, in_the_way }) => {
+                    let in_the_way = self.possible_poses(mode, &in_the_way);
+                    answers[mode.id.robot.index()].push(ModeAnswer { roadmap, shortest_s, in_the_way });
                 }
                 Ok(_) => return Err(misfit(StageKind::Roadmap).into()),
-                Err(report) => return Ok(Err((self.pair_to_revise(mode), report.causes))),
+                Err(report) => {
+                    let choices = self.without_way(mode, &report.causes);
+                    return Ok(Err(Conflict::of(choices, &report.causes, Some(search.id(job)))));
+                }
             }
         }
         Ok(Ok(answers))
@@ -117,15 +124,34 @@ impl Candidate<'_> {
             .collect()
     }
 
-    /// The pair whose alternative is revised when a mode has no way: its own, for a closing return the last one.
-    fn pair_to_revise(&self, mode: &Mode) -> PairId {
+    fn possible_poses(&self, mode: &Mode, indices: &[u32]) -> Vec<Occupancy> {
+        let possible = self.obstructions(mode, Presence::Possible);
+        indices.iter().filter_map(|i| possible.get(*i as usize)).map(|obstruction| obstruction.occupancy).collect()
+    }
+
+    /// What a mode without a way depends on: the alternatives at its ends and the certain poses that are in the way.
+    fn without_way(&self, mode: &Mode, causes: &[(Cause, u64)]) -> Vec<Choice> {
+        let named = |occupancy: &Occupancy| {
+            let name = &self.problem.movable[occupancy.object.index()].name;
+            causes.iter().any(|(cause, _)| {
+                let Cause::NoPath { blocking, .. } = cause else { return false };
+                blocking.iter().any(|body| matches!(body, BodyRef::Object(object) if object == name))
+            })
+        };
+        let certain = self.obstructions(mode, Presence::Certain).into_iter().map(|obstruction| obstruction.occupancy);
+        let pairs = mode.begins.map(|event| event.pair).into_iter().chain([self.own_pair(mode)]);
+        certain.filter(named).map(Choice::Pose).chain(pairs.map(Choice::Alternative)).collect()
+    }
+
+    /// The pair that a mode belongs to; a closing return to the last one.
+    fn own_pair(&self, mode: &Mode) -> PairId {
         let last = self.problem.pairs_of_robot(mode.id.robot).last();
         mode.pair.or(last).unwrap_or(PairId(0))
     }
 
     /// The pair whose reach a piece belongs to: the previous one's, where a transit begins at a placed object.
     fn pair_of_piece(&self, mode: &Mode, piece: &Job) -> PairId {
-        let own = self.pair_to_revise(mode);
+        let own = self.own_pair(mode);
         let previous = mode.begins.map(|event| event.pair);
         let at_previous = previous.is_some_and(|pair| {
             let released = self.chosen(pair).ok().map(|chosen| self.arm_job_empty(pair, &chosen.place));

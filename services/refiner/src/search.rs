@@ -3,33 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use contract::{
-    Answer, AskFault, AskStages, CauseTally, Decision, Digest, FailureReport, Job, JobId, Ledger, LedgerEntry, Outcome,
-    PlacementCandidate, PlacementJob, ProblemStatement, ProductRef, Request, Soundness, StageKind,
+    Answer, AskFault, AskStages, CauseTally, Decision, Digest, Job, JobId, Ledger, LedgerEntry, Literal, Nogood,
+    Outcome, PlacementCandidate, PlacementJob, ProblemStatement, Request, Soundness, StageKind,
 };
 use model::Problem;
 use plan::{Cause, PairPoint, ResultKind, StageCount};
 use skeleton::{Cycle, Skeleton};
 
 use crate::budgets::Budgets;
-use crate::candidate::Candidate;
+use crate::candidate::{Candidate, Found};
+use crate::conflict::{Choice, Conflict, Stuck};
 use crate::{End, Refinement};
-
-/// Placement candidates refined at one level before the next level is tried.
-const CANDIDATES_PER_LEVEL: u32 = 32;
-
-/// Why a part of the search has no result.
-pub(crate) enum Stuck {
-    /// Asking failed: the run ends.
-    Fault(AskFault),
-    /// The choices cannot be completed.
-    Failed(Vec<(Cause, u64)>),
-}
-
-impl From<AskFault> for Stuck {
-    fn from(fault: AskFault) -> Self {
-        Self::Fault(fault)
-    }
-}
 
 /// State of one search.
 pub(crate) struct Search<'a> {
@@ -44,7 +28,7 @@ pub(crate) struct Search<'a> {
 
 /// How far one level came.
 enum LevelEnd {
-    Solved(ProductRef, f64),
+    Solved(Found),
     Exhausted,
     /// No level can help.
     Hopeless,
@@ -77,21 +61,19 @@ impl<'a> Search<'a> {
                 self.commit(LedgerEntry::Solved { plan: plan.digest });
                 End::Solved { plan, makespan_s }
             }
-            Ok(None) => {
-                let causes = std::mem::take(&mut self.causes).ranked();
-                End::Failed { result: ResultKind::SamplesExhausted, causes }
-            }
-            Err(AskFault::TimeLimit) => {
-                let causes = std::mem::take(&mut self.causes).ranked();
-                End::Failed { result: ResultKind::LimitReached, causes }
-            }
+            Ok(None) => self.failed(ResultKind::SamplesExhausted),
+            Err(AskFault::TimeLimit) => self.failed(ResultKind::LimitReached),
             Err(fault) => End::Fault(fault),
         };
         let stages = self.counts.into_values().collect();
         Refinement { ledger: self.ledger, end, stages }
     }
 
-    fn levels(&mut self) -> Result<Option<(ProductRef, f64)>, AskFault> {
+    fn failed(&mut self, result: ResultKind) -> End {
+        End::Failed { result, causes: std::mem::take(&mut self.causes).ranked() }
+    }
+
+    fn levels(&mut self) -> Result<Option<Found>, AskFault> {
         let skeleton = match Skeleton::of_problem(self.problem()) {
             Ok(skeleton) => skeleton,
             Err(cycle) => {
@@ -102,7 +84,7 @@ impl<'a> Search<'a> {
         for level in 0..=self.problem().levels.highest {
             self.commit(LedgerEntry::Decided(Decision::Level(level)));
             match self.level(level, &skeleton)? {
-                LevelEnd::Solved(plan, makespan_s) => return Ok(Some((plan, makespan_s))),
+                LevelEnd::Solved(found) => return Ok(Some(found)),
                 LevelEnd::Hopeless => return Ok(None),
                 LevelEnd::Exhausted => {}
             }
@@ -110,31 +92,52 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
+    /// Candidates one after the other; with causes, each failure excludes every candidate that shares its choices.
     fn level(&mut self, level: u32, skeleton: &Skeleton) -> Result<LevelEnd, AskFault> {
         let budgets = Budgets::at(&self.problem().levels, level);
-        for index in 0..CANDIDATES_PER_LEVEL {
-            let asked =
-                |first| budgets.job(Request::Placement(PlacementJob { level, first, count: 1, nogoods: Vec::new() }));
-            let candidate = match self.ask_one(&asked(index))?.result {
+        let mut nogoods: Vec<Vec<Literal>> = Vec::new();
+        for tried in 0..self.statement.options.candidates {
+            let first = if self.statement.options.causes { 0 } else { tried };
+            let job = PlacementJob { level, first, count: 1, nogoods: nogoods.clone() };
+            let candidate = match self.ask_one(&budgets.job(Request::Placement(job)))?.result {
                 Ok(Answer::Placements(candidates)) => candidates.into_iter().next(),
                 Ok(_) => return Err(misfit(StageKind::Placement)),
                 Err(report) => {
                     self.causes.count_all(&report.causes);
-                    let hopeless = report.soundness == Soundness::Hard;
+                    let hopeless = report.soundness == Soundness::Hard && nogoods.is_empty();
                     return Ok(if hopeless { LevelEnd::Hopeless } else { LevelEnd::Exhausted });
                 }
             };
             let Some(candidate) = candidate else { return Ok(LevelEnd::Exhausted) };
-            self.commit(LedgerEntry::Decided(Decision::Placement(candidate.index)));
-            match self.refine(level, budgets, skeleton, &candidate) {
-                Ok((plan, makespan_s)) => return Ok(LevelEnd::Solved(plan, makespan_s)),
+            self.commit(LedgerEntry::Decided(Decision::Placement(tried)));
+            let conflict = match self.refine(level, budgets, skeleton, &candidate) {
+                Ok(found) => return Ok(LevelEnd::Solved(found)),
                 Err(Stuck::Fault(fault)) => return Err(fault),
-                Err(Stuck::Failed(causes)) => {
-                    self.backtrack(StageKind::Placement, Decision::Placement(candidate.index), &causes);
+                Err(Stuck::Failed(conflict)) => conflict,
+            };
+            self.causes.count_all(&conflict.causes.clone().ranked());
+            self.backtrack(StageKind::Placement, Decision::Placement(tried), conflict.first_cause());
+            let literals = literals_of(self.problem(), &conflict, &candidate);
+            if self.statement.options.causes {
+                if literals.is_empty() {
+                    // It depends on nothing that placement chooses.
+                    return Ok(LevelEnd::Exhausted);
                 }
+                self.learn(level, &conflict, &literals);
+                nogoods.push(literals);
             }
         }
         Ok(LevelEnd::Exhausted)
+    }
+
+    fn learn(&mut self, level: u32, conflict: &Conflict, literals: &[Literal]) {
+        let Some(proof) = conflict.proof else { return };
+        self.commit(LedgerEntry::Learnt(Nogood {
+            literals: literals.to_vec(),
+            cause: conflict.first_cause(),
+            soundness: Soundness::Soft { level },
+            proof,
+        }));
     }
 
     fn refine(
@@ -143,26 +146,31 @@ impl<'a> Search<'a> {
         budgets: Budgets,
         skeleton: &Skeleton,
         candidate: &PlacementCandidate,
-    ) -> Result<(ProductRef, f64), Stuck> {
+    ) -> Result<Found, Stuck> {
         let mut skeleton = skeleton.clone();
         for order in &candidate.orders {
             if let Err(cycle) = skeleton.graph.add(order.before, order.after, skeleton::ArcOrigin::Discovered) {
-                return Err(Stuck::Failed(vec![(self.cycle_cause(&cycle), 1)]));
+                let causes = [(self.cycle_cause(&cycle), 1)];
+                let poses = skeleton.occupancies().map(Choice::Pose);
+                return Err(Stuck::Failed(Conflict::of(poses, &causes, None)));
             }
         }
-        Candidate::new(self.problem(), level, budgets, skeleton, candidate).complete(self)
+        Candidate::new(self, level, budgets, skeleton, candidate).complete(self)
     }
 
-    /// Commits a backtrack request and keeps its causes.
-    pub(crate) fn backtrack(&mut self, stage: StageKind, decision: Decision, causes: &[(Cause, u64)]) {
-        self.causes.count_all(causes);
-        let because = causes.first().map(|(cause, _)| cause.clone());
+    /// Commits a backtrack request.
+    pub(crate) fn backtrack(&mut self, stage: StageKind, decision: Decision, because: Option<Cause>) {
         self.commit(LedgerEntry::Backtrack { stage, decision, because });
     }
 
     pub(crate) fn commit(&mut self, entry: LedgerEntry) {
         (self.observe)(&entry);
         self.ledger.commit(entry);
+    }
+
+    /// Identity of a job.
+    pub(crate) fn id(&self, job: &Job) -> JobId {
+        self.stages.job_id(job)
     }
 
     pub(crate) fn ask_one(&mut self, job: &Job) -> Result<Outcome, AskFault> {
@@ -174,7 +182,7 @@ impl<'a> Search<'a> {
     pub(crate) fn ask(&mut self, jobs: &[Job]) -> Result<Vec<Outcome>, AskFault> {
         let outcomes = self.stages.ask(jobs)?;
         for (job, outcome) in jobs.iter().zip(&outcomes) {
-            let id = self.stages.job_id(job);
+            let id = self.id(job);
             let digest = Digest::of("mrtamp outcome", &[&contract::encode_canonical(outcome)]);
             self.commit(LedgerEntry::Used { job: id, outcome: digest });
             if self.used.insert(id) {
@@ -201,12 +209,25 @@ impl<'a> Search<'a> {
     }
 }
 
+/// What a conflict says about a placement candidate: the samples it depends on. Start poses are nobody's choice. What
+/// stands where when depends on the candidate's orderings too, so they all count.
+fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &PlacementCandidate) -> Vec<Literal> {
+    let mut literals = Vec::new();
+    for choice in &conflict.choices {
+        let Choice::Pose(occupancy) = *choice else { continue };
+        let creates = |pair: model::PairId| {
+            let pair = problem.pair(pair);
+            (pair.object, pair.hop) == (occupancy.object, occupancy.hop)
+        };
+        let placed = candidate.placements.iter().find(|placed| creates(placed.pair));
+        literals.extend(placed.map(|placed| Literal::Pose { occupancy, sample: placed.sample }));
+    }
+    let orders = candidate.orders.iter();
+    literals.extend(orders.map(|order| Literal::Order { before: order.before, after: order.after }));
+    literals
+}
+
 /// A stage answered with the answer of another request.
 pub(crate) fn misfit(stage: StageKind) -> AskFault {
     AskFault::Refused { stage, reason: "its answer does not belong to the job".to_owned() }
-}
-
-/// The failure of a report.
-pub(crate) fn failed(report: FailureReport) -> Stuck {
-    Stuck::Failed(report.causes)
 }

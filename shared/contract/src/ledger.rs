@@ -5,7 +5,7 @@ use plan::Cause;
 use serde::{Deserialize, Serialize};
 use skeleton::ModeId;
 
-use crate::{Digest, JobId, Nogood, StageKind, encode_canonical};
+use crate::{Digest, DiscoveredOrder, JobId, Nogood, StageKind, encode_canonical};
 
 /// A decision of the search.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,6 +21,8 @@ pub enum Decision {
         /// Index.
         index: u32,
     },
+    /// An ordering is added because a pose would be in the way of a mode.
+    Order(DiscoveredOrder),
     /// A mode is committed by the composite stage.
     Commit(ModeId),
     /// The rest is left to the composite search.

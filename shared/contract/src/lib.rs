@@ -37,4 +37,4 @@ pub use roadmap::{Edge, EdgeKind, ModeRoadmap, RoadmapPiece, VertexId};
 pub use schedule::{Commitment, Move, Prefix};
 pub use serve::{JobPort, Offer, Refusal, ServeFault, serve};
 pub use stage::{Interrupted, JobContext, Stage, StageKind};
-pub use statement::{CompositeMethod, ProblemStatement};
+pub use statement::{CompositeMethod, ProblemStatement, SearchOptions};

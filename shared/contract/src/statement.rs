@@ -18,6 +18,23 @@ pub enum CompositeMethod {
     Drrt,
 }
 
+/// What the search does with failures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SearchOptions {
+    /// Learn from the causes of failures which placements cannot be kept together (the paper's backtracking with cause).
+    pub causes: bool,
+    /// Placement candidates refined at one level before the next level is tried.
+    pub candidates: u32,
+    /// Failures of composite motion of one placement candidate after which it is given up.
+    pub composite_failures: u32,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self { causes: true, candidates: 64, composite_failures: 12 }
+    }
+}
+
 /// Problem, seed and the implementation of each stage. Self-contained: geometry, no paths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProblemStatement {
@@ -27,6 +44,8 @@ pub struct ProblemStatement {
     pub seed: u64,
     /// How composite motion is searched for.
     pub composite: CompositeMethod,
+    /// What the search does with failures.
+    pub options: SearchOptions,
     /// `name/version` of each stage's implementation, as its worker said in its Hello.
     pub implementations: BTreeMap<StageKind, String>,
 }
@@ -36,7 +55,7 @@ impl ProblemStatement {
     #[must_use]
     pub fn new(problem: Problem, seed: u64, composite: CompositeMethod) -> Self {
         let own = |stage: StageKind| (stage, format!("mrtamp-{stage}/{}", env!("CARGO_PKG_VERSION")));
-        Self { problem, seed, composite, implementations: StageKind::ALL.into_iter().map(own).collect() }
+        Self { problem, seed, composite, options: SearchOptions::default(), implementations: StageKind::ALL.into_iter().map(own).collect() }
     }
 
     /// Implementation of a stage; empty if none has said Hello.

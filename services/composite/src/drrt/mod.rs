@@ -11,6 +11,7 @@
 mod compose;
 mod composite_roadmap;
 mod connect;
+mod cooperative;
 mod exhaust;
 mod failure;
 mod geometric;
@@ -105,3 +106,6 @@ pub fn drrt_with<V: CompositeValidity>(
     let way = Way::new(&mut search.rules, root, steps).polish(&mut search.rules, context)?;
     Ok(Ok(schedule::commitments(&mut search.rules, &start, &way)))
 }
+
+#[cfg(test)]
+mod tests;

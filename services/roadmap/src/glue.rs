@@ -164,7 +164,8 @@ impl Glue<'_> {
         if !shortest_s.is_finite() {
             return Err(self.no_path(start, goal));
         }
-        let in_the_way = least_blockers(self.vertices.len(), &free, start, goal).unwrap_or_default();
+        // The way off the object that was just placed or grasped is free when the mode begins; the way to the goal counts.
+        let in_the_way = least_blockers(self.vertices.len(), &free, start_stand, goal).unwrap_or_default();
         let roadmap = ModeRoadmap {
             mode: self.job.mode,
             holding: self.job.holding,

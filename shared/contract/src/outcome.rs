@@ -35,7 +35,8 @@ pub enum Answer {
         roadmap: ProductRef,
         /// Least time from start to goal, possible poses ignored (s).
         shortest_s: f64,
-        /// Smallest known set of possible poses (indices into the job's list) on one way from start to goal.
+        /// Smallest known set of possible poses (indices into the job's list) on one way from the folded arm at the start to
+        /// the goal: what in every execution has to be away when the robot comes.
         in_the_way: Vec<u32>,
     },
     /// To `CommitMode` and `Drrt`.

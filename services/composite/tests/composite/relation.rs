@@ -4,10 +4,13 @@ use std::sync::Arc;
 
 use collision::{Geometry, Motion};
 use composite::{Conflicts, TimedMotion, TimedStanding};
-use model::{AllowedContacts, GraspId, Holding, ObjectId, RobotId, Standing};
+use model::{
+    AllowedContacts, Body, CoordinateId, GraspId, Holding, Joint, JointMotion, JointValue, Link, LinkId, ObjectId,
+    Robot, RobotId, Shape, Standing,
+};
 
 use crate::oracle::{Disc, overlap, robot_discs};
-use crate::toys::{Dice, Errand, OBJECT, World};
+use crate::toys::{Dice, Errand, OBJECT, World, disc};
 
 fn conflicts() -> Conflicts {
     let mut world = World::grid(2, 1, 1.0);
@@ -111,6 +114,78 @@ fn the_object_in_the_hand_is_never_hit() {
     assert!(!conflicts.motion_hits(&motion(holding), &standing(0)));
     assert!(conflicts.motion_hits(&motion(holding), &standing(1)));
     assert!(!conflicts.motion_hits(&motion(None), &standing(1)));
+}
+
+/// A planar arm of two capsules, 0.5 m each, about a vertical axis at `x` (m).
+fn planar_arm(name: &str, x: f64) -> Robot {
+    let mut robot = disc(name, vec![0.0, 0.0, 0.0]);
+    let along = nalgebra::UnitQuaternion::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.0);
+    let capsule = Body {
+        owner_from_shape: nalgebra::Isometry3::from_parts([0.25, 0.0, 0.0].into(), along),
+        shape: Shape::Capsule { radius: 0.04, length: 0.5 },
+    };
+    let joint = |name: &str, child: u32, x: f64, coordinate: u32| Joint {
+        name: name.into(),
+        parent: LinkId(child - 1),
+        child: LinkId(child),
+        parent_from_joint: nalgebra::Isometry3::translation(x, 0.0, 0.0),
+        motion: JointMotion::Revolute { axis: [0.0, 0.0, 1.0] },
+        value: JointValue::Coordinate(CoordinateId(coordinate)),
+    };
+    let link = |name: &str, bodies| Link { name: name.into(), bodies };
+    robot.links = vec![link("foot", vec![]), link("upper", vec![capsule.clone()]), link("lower", vec![capsule])];
+    robot.joints = vec![joint("shoulder", 1, 0.0, 0), joint("elbow", 2, 0.5, 1)];
+    robot.coordinates.truncate(2);
+    robot.base = None;
+    robot.world_from_base = nalgebra::Isometry3::translation(x, 0.0, 0.3);
+    robot.end_effector.parent_link = LinkId(2);
+    robot.end_effector.links = vec![LinkId(2)];
+    robot.disabled_pairs = vec![(LinkId(0), LinkId(1)), (LinkId(1), LinkId(2))];
+    (robot.start, robot.home, robot.carry) = (vec![0.0; 2], vec![0.0; 2], vec![0.0; 2]);
+    robot
+}
+
+/// Points along both links, 1 cm apart.
+fn arm_points(x: f64, q: &[f64]) -> Vec<[f64; 2]> {
+    let elbow = [x + 0.5 * q[0].cos(), 0.5 * q[0].sin()];
+    let lower = q[0] + q[1];
+    let along = |k: i32| 0.01 * f64::from(k);
+    let first = (0..=50).map(|k| [x + along(k) * q[0].cos(), along(k) * q[0].sin()]);
+    let second = (0..=50).map(|k| [elbow[0] + along(k) * lower.cos(), elbow[1] + along(k) * lower.sin()]);
+    first.chain(second).collect()
+}
+
+#[test]
+fn arms_that_meet_conflict_and_arms_far_from_meeting_do_not() {
+    let mut problem = World::grid(1, 1, 1.0).problem();
+    problem.robots = vec![planar_arm("r1", 0.0), planar_arm("r2", 1.2)];
+    let conflicts = Conflicts::new(Arc::new(Geometry::new(&problem).unwrap()));
+    let (mut met, mut apart) = (0, 0);
+    for seed in 0..200 {
+        let mut dice = Dice(seed + 3000);
+        let mut motion = |robot: usize, shift: f64| {
+            let mut q = || vec![dice.unit() * 4.0 - 2.0 + shift, dice.unit() * 4.0 - 2.0];
+            let (from, to) = (q(), q());
+            let (robot, allowed) = (RobotId::at(robot), AllowedContacts::default());
+            let motion = Motion { robot, holding: None, from, to, allowed };
+            TimedMotion { motion, begins_s: 0.0, ends_s: 1.0 }
+        };
+        let (a, b) = (motion(0, 0.0), motion(1, std::f64::consts::PI));
+        let at = |m: &Motion, t: f64| -> Vec<f64> { m.from.iter().zip(&m.to).map(|(a, b)| a + (b - a) * t).collect() };
+        let nearest = (0..=50).map(|k| 0.02 * f64::from(k)).fold(f64::INFINITY, |least: f64, t| {
+            let (p, q) = (arm_points(0.0, &at(&a.motion, t)), arm_points(1.2, &at(&b.motion, t)));
+            p.iter().flat_map(|p| q.iter().map(move |q| (p[0] - q[0]).hypot(p[1] - q[1]))).fold(least, f64::min)
+        });
+        let conflict = conflicts.moves_conflict(&a, &b);
+        if nearest < 0.08 {
+            met += 1;
+            assert!(conflict, "seed {seed}: {nearest} m");
+        } else if nearest > 0.4 {
+            apart += 1;
+            assert!(!conflict, "seed {seed}: {nearest} m");
+        }
+    }
+    assert!(met > 20 && apart > 10, "{met} met, {apart} apart");
 }
 
 #[test]

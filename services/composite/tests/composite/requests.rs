@@ -124,3 +124,30 @@ fn the_answer_says_when_the_event_is_and_when_the_tail_is_over() {
     assert_eq!(commitments[0].tail.last().map_or(event_s, |last| last.ends_s), tail_s);
     assert_eq!(commitments[0].moves.last().unwrap().ends_s, event_s);
 }
+
+#[test]
+fn motion_that_meets_is_not_assembled() {
+    let mut world = crate::toys::World::grid(5, 2, 0.7);
+    world.ways.retain(|(a, b)| *b < 5 || b - a == 5);
+    world.starts = vec![0, 4];
+    world.objects = vec![9, 5];
+    let errand = |robot, object, at| crate::toys::Errand { robot, object, from: at, to: at };
+    world.errands = vec![errand(0, 0, 9), errand(1, 1, 5)];
+    world.points.push([0.7, 5.0]);
+    let toy = world.build();
+    // Each robot alone in the world, then both together.
+    let alone = |robot: usize| {
+        let mut world = toy.world.clone();
+        world.starts[1 - robot] = 10;
+        let other = world.build();
+        (0..3)
+            .fold(None, |prefix, step| Some(other.commit(prefix, mode(robot, step)).unwrap().0))
+            .map(|prefix| other.commitments(prefix))
+    };
+    let commitments = [alone(0).unwrap(), alone(1).unwrap()].concat();
+    let prefix = toy.put(&Product::Prefix(Prefix { parent: None, commitments }));
+    let shortest_s = vec![vec![0.0; 3]; 2];
+    let outcome = toy.ask(&toy.job(Composition::Assemble { prefix, shortest_s })).unwrap();
+    let causes = outcome.result.unwrap_err().causes;
+    assert!(matches!(causes[0].0, Cause::Collision { .. }), "{causes:?}");
+}

@@ -15,6 +15,7 @@ mod envelope;
 mod finite;
 mod garbage;
 mod host;
+mod iceoryx2;
 mod link;
 mod member;
 mod message;
@@ -33,6 +34,7 @@ pub use envelope::{CONTRACT_VERSION, Envelope, checksum};
 pub use finite::{NotFinite, check_finite, check_numbers};
 pub use garbage::{Garbage, GarbageTally};
 pub use host::{Expected, Host, HostCore, HostFault, Note, Store};
+pub use iceoryx2::{Iceoryx2, Iceoryx2Place};
 pub use link::{Incoming, Outgoing, Receiver, SendError, Sender};
 pub use member::{MemberId, Role, RunKey};
 pub use message::{

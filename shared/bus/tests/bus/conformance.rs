@@ -1,12 +1,14 @@
 //! What every transport has to do. Each test is written once and run for each transport.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Duration;
 
 use bus::{
-    Bus, CONTRACT_VERSION, Channels, Connection, Envelope, Expected, Garbage, Host, HostCore, Incoming, JobOffer, Kind,
-    MemberId, Message, Outgoing, Receiver, Retirement, Role, RunKey, Sender, Topic, Worker,
+    Bus, BusFault, CONTRACT_VERSION, Channels, Connection, Envelope, Expected, Garbage, Host, HostCore, Iceoryx2,
+    Iceoryx2Place, Incoming, JobOffer, Kind, MemberId, Message, Outgoing, Receiver, Retirement, Role, RunKey, Sender,
+    Topic, Worker,
 };
 use contract::{Digest, Job, JobId, Outcome, ProblemStatement, RandomStream, StageKind, serve};
 
@@ -32,6 +34,49 @@ impl Transport for Channels {
     fn bus(&self) -> Arc<dyn Bus> {
         Arc::new(self.clone())
     }
+}
+
+/// Every member with a node of its own, as if it were a process.
+pub struct Shared {
+    owner: Iceoryx2,
+    place: Iceoryx2Place,
+    _root: tempfile::TempDir,
+}
+
+struct Nodes(Iceoryx2Place);
+
+impl Bus for Nodes {
+    fn join(&self, role: Role, member: MemberId) -> Result<Connection, BusFault> {
+        Iceoryx2::open(&self.0, role.name())?.join(role, member)
+    }
+}
+
+impl Transport for Shared {
+    fn open() -> Self {
+        let root = tempfile::Builder::new().prefix("mrtamp-test-").tempdir_in("/dev/shm").unwrap();
+        let name = root.path().file_name().unwrap().to_str().unwrap().to_owned();
+        let place = Iceoryx2Place { root: root.path().to_owned(), prefix: format!("{name}_"), run: name };
+        let seats: BTreeMap<Role, usize> = Role::all().into_iter().map(|role| (role, 4)).collect();
+        Self { owner: Iceoryx2::create(&place, &seats).unwrap(), place, _root: root }
+    }
+
+    fn bus(&self) -> Arc<dyn Bus> {
+        Arc::new(Nodes(self.place.clone()))
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        self.owner.clean_up();
+        for name in shared_memory_of(&self.place.prefix) {
+            std::fs::remove_file(std::path::Path::new("/dev/shm").join(name)).unwrap();
+        }
+    }
+}
+
+fn shared_memory_of(prefix: &str) -> Vec<String> {
+    let names = std::fs::read_dir("/dev/shm").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| name.starts_with(prefix)).collect()
 }
 
 struct Ends {
@@ -319,8 +364,8 @@ pub fn garbage_is_refused_with_a_reason_and_does_no_harm<T: Transport>() {
         (Garbage::Body, good(&[1, 2, 3]), vec![1, 2, 3]),
         (Garbage::Body, Envelope { kind: Kind::Sample as u32, ..good(&[9; 40]) }, vec![9; 40]),
     ];
-    for (_, header, body) in &bad {
-        connection.outbox.send(topic, header, body).unwrap();
+    for ((_, header, body), sequence) in bad.iter().zip(2..) {
+        connection.outbox.send(topic, &Envelope { sequence, ..*header }, body).unwrap();
     }
     connection.outbox.send(topic, &whole, &[]).unwrap();
     assert_eq!(await_message(&mut reader.receiver, Some).message, Message::Started);
@@ -342,11 +387,14 @@ pub fn random_garbage_on_every_topic_harms_nobody<T: Transport>() {
                 .unwrap();
         worker.statement().unwrap().unwrap();
         let stream = RandomStream::new(seed, StageKind::Placement, &[], "garbage");
+        let mut strangers = Vec::new();
         for (role, member) in Role::all().into_iter().zip(20..) {
             let mut connection = transport.bus().join(role, MemberId(member)).unwrap();
             for (topic, index) in role.writes().into_iter().zip(0..) {
                 send_garbage(&mut connection, topic, &stream, transport.run(), index);
             }
+            // Who leaves before anybody has looked takes what it has said with it.
+            strangers.push(connection);
         }
         // The worker still serves.
         let mut refiner = join(&transport, Role::Refiner, 99);
@@ -362,6 +410,7 @@ pub fn random_garbage_on_every_topic_harms_nobody<T: Transport>() {
         let mut host = host.end();
         host.shut_down().unwrap();
         thread.join().unwrap().unwrap();
+        host.drain().unwrap();
         assert!(host.garbage().total() > 0, "seed {seed}");
     }
 }
@@ -482,4 +531,19 @@ macro_rules! conformance_of {
     };
 }
 
-conformance_of!(channels: bus::Channels);
+conformance_of!(channels: bus::Channels, iceoryx2: super::Shared);
+
+#[test]
+fn members_that_leave_in_order_leave_one_small_file_of_shared_memory() {
+    let _watchdog = Watchdog::start("leftovers");
+    let transport = Shared::open();
+    let run = ToySet::new(transport.bus(), transport.run()).run();
+    assert!(run.end.is_ok());
+    let root = transport.place.root.clone();
+    let place = transport.place.clone();
+    let Shared { .. } = &transport;
+    assert!(shared_memory_of(&place.prefix).len() > 1, "the owner holds the services");
+    drop(transport);
+    assert!(!root.exists());
+    assert!(shared_memory_of(&place.prefix).is_empty());
+}

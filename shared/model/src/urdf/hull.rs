@@ -190,23 +190,23 @@ mod tests {
         assert_eq!(extreme_points(&drum.collect::<Vec<_>>(), 100), Err(NoHull::TooMany));
     }
 
-    /// Oracle: a cylinder's corners are its rims. Points of its mantle that rounding lifts by a hair may be among them.
+    /// Oracle: a cylinder's corners are its rims. A few points that rounding lifts out of an end or a side may join them.
     #[test]
-    fn a_slanted_cylinder_with_many_points_on_its_ends_is_its_mantle() {
+    fn a_slanted_cylinder_with_many_points_on_its_ends_is_little_more_than_its_rims() {
         let turned = Rotation3::from_euler_angles(0.3, -0.8, 2.1);
-        let mut points = Vec::new();
+        let (mut rims, mut others) = (Vec::new(), Vec::new());
         for i in 0..48 {
             let angle = std::f64::consts::TAU * f64::from(i) / 48.0;
-            for (radius, z) in [(1.0, 0.0), (0.7, 0.0), (0.3, 0.0), (1.0, 2.0), (0.5, 2.0), (1.0, 0.9), (1.0, 1.4)] {
-                let point = turned * Point3::new(radius * angle.cos(), radius * angle.sin(), z);
-                // As meshes carry them.
-                points.push(point.map(|x| f64::from(x as f32)));
-            }
+            // As meshes carry them.
+            let at = |radius: f64, z: f64| {
+                (turned * Point3::new(radius * angle.cos(), radius * angle.sin(), z)).map(|x| f64::from(x as f32))
+            };
+            rims.extend([at(1.0, 0.0), at(1.0, 2.0)]);
+            others.extend([at(0.7, 0.0), at(0.3, 0.0), at(0.5, 2.0), at(1.0, 0.9), at(1.0, 1.4)]);
         }
-        let hull = extreme_points(&points, 400).unwrap();
-        assert!((96..120).contains(&hull.len()), "{} of {}", hull.len(), points.len());
-        let from_axis = |p: &Point3<f64>| (turned.inverse() * p).coords.xy().norm();
-        assert!(hull.iter().all(|p| (from_axis(p) - 1.0).abs() < 1e-6));
+        let hull = extreme_points(&[others, rims.clone()].concat(), 400).unwrap();
+        assert!(rims.iter().all(|p| hull.contains(p)));
+        assert!(hull.len() < rims.len() * 5 / 4, "{} corners", hull.len());
     }
 
     proptest! {

@@ -6,7 +6,7 @@ use contract::{Interrupted, ModeRoadmap, VertexId};
 use model::{Problem, RobotId};
 use skeleton::{Event, ModeId, Occupancy, Skeleton};
 
-use super::mode_graph::{Arc, ModeGraph};
+use super::mode_graph::{Arc, ModeGraph, MotionNumbers};
 use super::phase::{Phase, is_beginning, ordered_points, phases_of_mode};
 use super::validity::TimedEdge;
 
@@ -75,13 +75,12 @@ impl<'a> CompositeRoadmap<'a> {
         let occupancies: Vec<Occupancy> = skeleton.occupancies().collect();
         let ordered = ordered_points(problem, &skeleton.graph);
         let mut robots: Vec<RobotRoadmap<'a>> = Vec::with_capacity(problem.robots.len());
-        let mut motions = 0;
+        let mut numbers = MotionNumbers::default();
         for robot in problem.robot_ids() {
             let roadmaps = all_modes(problem, skeleton, robot, roadmaps)?;
             let mut glued = RobotRoadmap { modes: Vec::with_capacity(roadmaps.len()), phases: Vec::new() };
             for (step, roadmap) in roadmaps.into_iter().enumerate() {
-                let graph = ModeGraph::new(roadmap, problem.robot(robot), &occupancies, motions)?;
-                motions += graph.motions();
+                let graph = ModeGraph::new(roadmap, problem.robot(robot), &occupancies, &mut numbers)?;
                 let rest_s = problem.settings.grip_time.max(LEAST_REST_S);
                 let phases = match skeleton.modes[robot.index()].get(step) {
                     Some(mode) => phases_of_mode(problem, mode, &graph, &ordered, rest_s),
@@ -186,7 +185,7 @@ impl<'a> CompositeRoadmap<'a> {
         let graph = &self.robots[motion.robot].modes[motion.mode];
         match motion.arc {
             Some(arc) => graph.arcs[motion.from.index()][arc].motion,
-            None => graph.stand(motion.from),
+            None => graph.stands[motion.from.index()],
         }
     }
 

@@ -5,9 +5,10 @@
 //! robot that stands in the way leave in time (cooperative A*, Silver, AIIDE 2005). The tree gets every step, up to the
 //! first event.
 
-use contract::{Interrupted, JobContext, SampleValues};
+use contract::{Interrupted, SampleValues};
 
 use super::cooperative::Attempt;
+use super::meter::Meter;
 use super::rules::Act;
 use super::search::{Search, shuffle};
 use super::tree::NodeId;
@@ -20,11 +21,10 @@ const LEADERS: usize = 3;
 /// What an edge costs a leader on which it would meet a robot that stands now (s): so far it goes round.
 const STANDING_S: f64 = 4.0;
 /// Places in vertices and steps looked at for one work unit.
-const PLACES_PER_UNIT: u64 = 32;
 
 impl<V: CompositeValidity> Search<'_, V> {
     /// Tries connections from a node in a fixed order until one leads to an event or to the end.
-    pub fn connect_in_turn(&mut self, node: NodeId, context: &mut JobContext<'_>) -> Result<(), Interrupted> {
+    pub fn connect_in_turn(&mut self, node: NodeId, meter: &mut Meter<'_, '_>) -> Result<(), Interrupted> {
         let state = self.tree.get(node).state.clone();
         let priorities = self.rules.priorities(&state);
         let ready = |robot: &usize| self.rules.urgency(&state, *robot).class == 0;
@@ -32,7 +32,7 @@ impl<V: CompositeValidity> Search<'_, V> {
         for delay in DELAYS {
             for leader in &leaders {
                 let attempt = Attempt { order: led_by(*leader, &priorities), delay, standing_s: STANDING_S };
-                if self.connect(node, &attempt, context)? || self.spent > self.limit {
+                if self.connect(node, &attempt, meter)? || !meter.spend(0)? {
                     return Ok(());
                 }
             }
@@ -45,7 +45,7 @@ impl<V: CompositeValidity> Search<'_, V> {
         &mut self,
         node: NodeId,
         values: &mut SampleValues,
-        context: &mut JobContext<'_>,
+        meter: &mut Meter<'_, '_>,
     ) -> Result<(), Interrupted> {
         let state = self.tree.get(node).state.clone();
         let mut order = self.rules.priorities(&state);
@@ -60,17 +60,18 @@ impl<V: CompositeValidity> Search<'_, V> {
         }
         let delay = DELAYS[values.next_index(DELAYS.len())] / 2 + values.next_index(4);
         let standing_s = [0.0, STANDING_S, 16.0 * STANDING_S][values.next_index(3)];
-        self.connect(node, &Attempt { order: led_by(leader, &order), delay, standing_s }, context)?;
+        self.connect(node, &Attempt { order: led_by(leader, &order), delay, standing_s }, meter)?;
         Ok(())
     }
 
     /// Whether an attempt led to an event or to the end of the plan.
-    fn connect(&mut self, node: NodeId, attempt: &Attempt, context: &mut JobContext<'_>) -> Result<bool, Interrupted> {
+    fn connect(&mut self, node: NodeId, attempt: &Attempt, meter: &mut Meter<'_, '_>) -> Result<bool, Interrupted> {
         let state = self.tree.get(node).state.clone();
-        let mut places = 0;
-        let planned = self.rules.plan_together(&state, attempt, &mut places);
-        let units = 1 + places / PLACES_PER_UNIT + planned.as_ref().map_or(0, |acts| acts.len() as u64);
-        if !self.spend(units, context)? {
+        if !meter.spend(1)? {
+            return Ok(false);
+        }
+        let planned = self.rules.plan_together(&state, attempt, meter)?;
+        if !meter.spend(planned.as_ref().map_or(0, |steps| steps.len() as u64))? {
             return Ok(false);
         }
         Ok(planned.is_some_and(|steps| self.walk(node, &steps)))

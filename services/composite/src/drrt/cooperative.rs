@@ -2,7 +2,10 @@
 
 use std::collections::BinaryHeap;
 
+use contract::{Interrupted, VertexId};
+
 use super::composite_roadmap::{Motion, Passed};
+use super::meter::Meter;
 use super::mode_graph::ModeGraph;
 use super::mode_vector::BLOCKED_S;
 use super::queue;
@@ -10,7 +13,7 @@ use super::rules::{Act, Rules, State};
 use super::validity::CompositeValidity;
 
 /// Most places (vertices and steps) looked at for one robot.
-const MOST_PLACES: u64 = 8_000;
+const MOST_PLACES: u32 = 8_000;
 
 /// How it is tried.
 #[derive(Clone, Debug)]
@@ -26,10 +29,16 @@ pub(super) struct Attempt {
 impl<V: CompositeValidity> Rules<'_, V> {
     /// Steps of all robots within the state's mode vector. A robot that finds no way is planned again right after the
     /// leader, until each has been.
-    pub fn plan_together(&mut self, state: &State, attempt: &Attempt, places: &mut u64) -> Option<Vec<Vec<Act>>> {
+    pub fn plan_together(
+        &mut self,
+        state: &State,
+        attempt: &Attempt,
+        meter: &mut Meter<'_, '_>,
+    ) -> Result<Option<Vec<Vec<Act>>>, Interrupted> {
         let leader = attempt.order[0];
         let mut route = vec![Act::Stay; attempt.delay];
-        route.extend(self.lead(state, leader, attempt.standing_s)?);
+        let Some(way) = self.lead(state, leader, attempt.standing_s) else { return Ok(None) };
+        route.extend(way);
         let is_last = |robot: usize| self.roadmap.phase(robot, self.vector(state).phases[robot]).events.is_empty();
         if is_last(leader) {
             // The end is only reached when all are there together.
@@ -40,9 +49,9 @@ impl<V: CompositeValidity> Rules<'_, V> {
         let mut promoted = vec![false; order.len()];
         promoted[leader] = true;
         loop {
-            match self.plan_in_order(state, &order, &route, places) {
-                Ok(steps) => return Some(steps),
-                Err(stuck) if promoted[stuck] => return None,
+            match self.plan_in_order(state, &order, &route, meter)? {
+                Ok(steps) => return Ok(Some(steps)),
+                Err(stuck) if promoted[stuck] => return Ok(None),
                 Err(stuck) => {
                     promoted[stuck] = true;
                     order.retain(|robot| *robot != stuck);
@@ -58,15 +67,16 @@ impl<V: CompositeValidity> Rules<'_, V> {
         state: &State,
         order: &[usize],
         route: &[Act],
-        places: &mut u64,
-    ) -> Result<Vec<Vec<Act>>, usize> {
+        meter: &mut Meter<'_, '_>,
+    ) -> Result<Result<Vec<Vec<Act>>, usize>, Interrupted> {
         let placed = self.placed_by(state, order[0]);
         let mut planned: Vec<Planned> = Vec::new();
         for robot in order {
             let acts = match planned.len() {
-                0 => route.to_vec(),
-                _ => self.follow(state, *robot, &planned, route.len(), placed, places).ok_or(*robot)?,
+                0 => Some(route.to_vec()),
+                _ => self.follow(state, *robot, &planned, route.len(), placed, meter)?,
             };
+            let Some(acts) = acts else { return Ok(Err(*robot)) };
             let motions = self.motions(state, *robot, &acts);
             planned.push(Planned { robot: *robot, acts, motions });
         }
@@ -74,7 +84,7 @@ impl<V: CompositeValidity> Rules<'_, V> {
         for Planned { robot, acts, .. } in planned {
             acts.into_iter().enumerate().for_each(|(step, act)| steps[step][robot] = act);
         }
-        Ok(steps)
+        Ok(Ok(steps))
     }
 
     /// The occupancy that a robot's event would create.
@@ -166,8 +176,8 @@ impl<V: CompositeValidity> Rules<'_, V> {
         planned: &[Planned],
         horizon: usize,
         placed: Option<u32>,
-        places: &mut u64,
-    ) -> Option<Vec<Act>> {
+        meter: &mut Meter<'_, '_>,
+    ) -> Result<Option<Vec<Act>>, Interrupted> {
         let graph = self.roadmap.graph(robot, self.vector(state).phases[robot]);
         let mode = graph.roadmap.mode.step as usize;
         let width = graph.arcs.len();
@@ -178,24 +188,28 @@ impl<V: CompositeValidity> Rules<'_, V> {
         let start = state.vertices[robot].index();
         cost[start] = 0.0;
         open.push(guide.entry(0.0, horizon, start));
-        let most = *places + MOST_PLACES;
+        let mut places = 0;
         while let Some(entry) = open.pop() {
             let (_, left, vertex) = entry.item;
             let step = horizon - left;
             let place = step * width + vertex;
-            let stand = Motion { robot, mode, from: contract::VertexId::at(vertex), arc: None };
+            let stand = Motion { robot, mode, from: VertexId::at(vertex), arc: None };
             if left == 0 {
                 if placed.is_some_and(|occupancy| self.stand_hits(stand, occupancy)) {
                     continue;
                 }
-                return Some(retrace(&entered, place, width));
+                return Ok(Some(retrace(&entered, place, width)));
             }
-            *places += 1;
-            if entry.key > guide.entry(cost[place], left, vertex).key || *places > most {
+            if entry.key > guide.entry(cost[place], left, vertex).key {
                 continue;
             }
+            places += 1;
+            if places > MOST_PLACES || !meter.count_place()? {
+                return Ok(None);
+            }
             let ways = graph.arcs[vertex].iter().enumerate();
-            let ways = ways.filter(|(_, arc)| self.may_enter(state.vector, robot, arc) && self.is_clear(state.vector, arc));
+            let ways =
+                ways.filter(|(_, arc)| self.may_enter(state.vector, robot, arc) && self.is_clear(state.vector, arc));
             let mut acts: Vec<(Act, Motion, usize, f64)> = ways
                 .map(|(i, arc)| (Act::Along(i), Motion { arc: Some(i), ..stand }, arc.to.index(), arc.duration_s))
                 .collect();
@@ -211,7 +225,7 @@ impl<V: CompositeValidity> Rules<'_, V> {
                 open.push(guide.entry(longer, left - 1, to));
             }
         }
-        None
+        Ok(None)
     }
 }
 

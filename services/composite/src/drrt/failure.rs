@@ -35,12 +35,17 @@ impl<V: CompositeValidity> Search<'_, V> {
         })
     }
 
-    /// The objects through which a robot's shortest way to its event leads, if no way avoids them all.
+    /// The objects through which a robot's shortest way to its event leads, if no way avoids them all: those that stand
+    /// there for ever, or all, if there is no robot that could go on.
     fn obstructed(&self, state: &State, robot: usize) -> Option<(Cause, u64)> {
         let problem = self.rules.roadmap.problem;
         if self.rules.urgency(state, robot).class != 0 || self.rules.time_to_go_s(state, robot) < BLOCKED_S {
             return None;
         }
+        let goes_on = |robot: usize| {
+            self.rules.urgency(state, robot).class == 0 && self.rules.time_to_go_s(state, robot) < BLOCKED_S
+        };
+        let is_waiting = (0..state.vertices.len()).any(goes_on);
         let vector = self.rules.vector(state);
         let times = &vector.times_to_go_s[robot];
         let phase = self.rules.roadmap.phase(robot, vector.phases[robot]);
@@ -51,8 +56,12 @@ impl<V: CompositeValidity> Search<'_, V> {
             let nearer = arcs.filter(|arc| phase.usable[arc.to.index()] && times[arc.to.index()] < times[at.index()]);
             let arc = nearer.min_by(|a, b| times[a.to.index()].total_cmp(&times[b.to.index()]))?;
             let present = arc.blockers.iter().filter(|occupancy| vector.present[**occupancy as usize]);
-            objects.extend(present.map(|occupancy| self.rules.roadmap.stays[*occupancy as usize].occupancy.object));
+            let stays = present.map(|occupancy| &self.rules.roadmap.stays[*occupancy as usize]);
+            objects.extend(stays.filter(|stay| !is_waiting || stay.until.is_none()).map(|stay| stay.occupancy.object));
             at = arc.to;
+        }
+        if objects.is_empty() {
+            return None;
         }
         objects.sort_unstable();
         objects.dedup();

@@ -16,6 +16,7 @@ mod exhaust;
 mod failure;
 mod geometric;
 mod job;
+mod meter;
 mod mode_graph;
 mod mode_vector;
 mod oracle;
@@ -42,6 +43,7 @@ pub use validity::{CompositeValidity, RobotEdge, TimedEdge};
 use composite_roadmap::CompositeRoadmap;
 use exhaust::Exhausted;
 use geometric::Geometric;
+use meter::Meter;
 use polish::Way;
 use search::Search;
 use start::Start;
@@ -91,8 +93,8 @@ pub fn drrt_with<V: CompositeValidity>(
     // A product that can be searched through is not worth more chance than that takes.
     let limit = if is_small { (roadmap.size() as u64).min(context.left() / 2) } else { u64::MAX };
     let root: Vec<(u32, VertexId)> = start.robots.iter().map(|robot| (robot.phase, robot.vertex)).collect();
-    let mut search = Search::new(&roadmap, validity, &root, random, limit);
-    search.run(context)?;
+    let mut search = Search::new(&roadmap, validity, &root, random);
+    search.run(&mut Meter::new(context, limit))?;
     let root = search.tree.get(0).state.clone();
     let steps = match search.solution {
         Some(solution) => search.tree.path_to(solution),

@@ -1,9 +1,10 @@
 //! One mode's glued roadmap as adjacency lists, with a dense number for every motion on it.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use contract::{EdgeKind, Interrupted, ModeRoadmap, Move, VertexId};
-use model::{AllowedContacts, Robot};
+use model::{AllowedContacts, Holding, Robot, RobotId};
 use skeleton::{ModeId, Occupancy};
 
 use super::validity::{RobotEdge, TimedEdge};
@@ -26,6 +27,19 @@ pub(super) struct Arc {
     pub motion: u32,
 }
 
+/// Numbers of motions by content: a robot's equal motions in different modes are one.
+#[derive(Debug, Default)]
+pub(super) struct MotionNumbers(BTreeMap<(RobotId, Option<Holding>, AllowedContacts, Vec<u64>), u32>);
+
+impl MotionNumbers {
+    fn number(&mut self, motion: &TimedEdge) -> u32 {
+        let Move { from, to, ends_s, allowed, .. } = &motion.travel;
+        let bits = from.iter().chain(to).chain([ends_s]).map(|x| x.to_bits()).collect();
+        let next = self.0.len() as u32;
+        *self.0.entry((motion.edge.mode.robot, motion.holding, *allowed, bits)).or_insert(next)
+    }
+}
+
 /// A mode's roadmap, usable both ways.
 #[derive(Clone, Debug)]
 pub(super) struct ModeGraph<'a> {
@@ -34,17 +48,17 @@ pub(super) struct ModeGraph<'a> {
     pub arcs: Vec<Vec<Arc>>,
     /// What a robot that stands at a vertex may touch: no more than on any edge that ends there.
     standing: Vec<AllowedContacts>,
-    /// Number of the motion "stand at vertex 0".
-    first_motion: u32,
+    /// Number of standing at each vertex among all motions of all robots.
+    pub stands: Vec<u32>,
 }
 
 impl<'a> ModeGraph<'a> {
-    /// Checks a roadmap and numbers its motions from `first_motion` on. `occupancies` is sorted.
+    /// Checks a roadmap and numbers its motions. `occupancies` is sorted.
     pub fn new(
         roadmap: Cow<'a, ModeRoadmap>,
         robot: &Robot,
         occupancies: &[Occupancy],
-        first_motion: u32,
+        numbers: &mut MotionNumbers,
     ) -> Result<Self, Interrupted> {
         check(&roadmap, robot)?;
         let number = |possible: &u32| {
@@ -52,7 +66,6 @@ impl<'a> ModeGraph<'a> {
             occupancies.binary_search(occupancy).ok().and_then(|n| u32::try_from(n).ok())
         };
         let mut arcs: Vec<Vec<Arc>> = vec![Vec::new(); roadmap.vertices.len()];
-        let mut motion = first_motion + roadmap.vertices.len() as u32;
         for (index, edge) in (0_u32..).zip(&roadmap.edges) {
             let blockers: Option<Vec<u32>> = edge.blockers.iter().map(number).collect();
             let mut blockers =
@@ -61,22 +74,18 @@ impl<'a> ModeGraph<'a> {
             for (from, to) in [(edge.a, edge.b), (edge.b, edge.a)] {
                 let (kind, blockers) = (edge.kind, blockers.clone());
                 let duration_s = edge.duration_s.max(LEAST_DURATION_S);
-                arcs[from.index()].push(Arc { to, edge: index, kind, duration_s, blockers, motion });
-                motion += 1;
+                arcs[from.index()].push(Arc { to, edge: index, kind, duration_s, blockers, motion: 0 });
             }
         }
         let standing = (0..roadmap.vertices.len()).map(|v| standing_contacts(&roadmap, &arcs[v])).collect();
-        Ok(Self { roadmap, arcs, standing, first_motion })
-    }
-
-    /// Number of motions.
-    pub fn motions(&self) -> u32 {
-        (self.roadmap.vertices.len() + 2 * self.roadmap.edges.len()) as u32
-    }
-
-    /// Number of the motion "stand at `vertex`".
-    pub fn stand(&self, vertex: VertexId) -> u32 {
-        self.first_motion + vertex.0
+        let mut graph = Self { roadmap, arcs, standing, stands: Vec::new() };
+        for v in 0..graph.arcs.len() {
+            graph.stands.push(numbers.number(&graph.timed_stand(VertexId::at(v))));
+            for i in 0..graph.arcs[v].len() {
+                graph.arcs[v][i].motion = numbers.number(&graph.timed_arc(robot, VertexId::at(v), &graph.arcs[v][i]));
+            }
+        }
+        Ok(graph)
     }
 
     /// Standing at a vertex, as motion.

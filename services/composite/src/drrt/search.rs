@@ -8,10 +8,11 @@
 
 use std::collections::BTreeMap;
 
-use contract::{Interrupted, JobContext, RandomStream, SampleValues, VertexId};
+use contract::{Interrupted, RandomStream, SampleValues, VertexId};
 
 use super::compose::Wishes;
 use super::composite_roadmap::CompositeRoadmap;
+use super::meter::Meter;
 use super::mode_vector::VectorId;
 use super::rules::{Act, Rules, State, Step};
 use super::tree::{Entry, NodeId, Tree};
@@ -39,19 +40,15 @@ pub(super) struct Search<'a, V> {
     /// First nodes of mode vectors from which no connection has been tried.
     pub fresh: Vec<NodeId>,
     random: RandomStream,
-    /// Work units spent, and how many may be.
-    pub spent: u64,
-    pub limit: u64,
 }
 
 impl<'a, V: CompositeValidity> Search<'a, V> {
-    /// A search from a state, which may spend `limit` work units.
+    /// A search from the state with these phases and vertices.
     pub fn new(
         roadmap: &'a CompositeRoadmap<'a>,
         validity: &'a V,
         start: &[(u32, VertexId)],
         random: RandomStream,
-        limit: u64,
     ) -> Self {
         let mut rules = Rules::new(roadmap, validity);
         let phases: Vec<u32> = start.iter().map(|(phase, _)| *phase).collect();
@@ -66,8 +63,6 @@ impl<'a, V: CompositeValidity> Search<'a, V> {
             tried: BTreeMap::new(),
             fresh: vec![0],
             random,
-            spent: 0,
-            limit,
         }
     }
 
@@ -75,33 +70,27 @@ impl<'a, V: CompositeValidity> Search<'a, V> {
     ///
     /// # Errors
     /// [`Interrupted::Cancelled`].
-    pub fn run(&mut self, context: &mut JobContext<'_>) -> Result<(), Interrupted> {
+    pub fn run(&mut self, meter: &mut Meter<'_, '_>) -> Result<(), Interrupted> {
         let mut last = u64::MAX;
         for iteration in 0.. {
             while let (Some(node), None) = (self.fresh.pop(), self.solution) {
-                self.connect_in_turn(node, context)?;
+                self.connect_in_turn(node, meter)?;
             }
             if self.solution.is_some() && last == u64::MAX {
                 last = iteration + (iteration / 2).min(MOST_EXTRA);
             }
-            if iteration >= last || !self.spend(1, context)? {
+            if iteration >= last || !meter.spend(1)? {
                 return Ok(());
             }
             let mut values = self.random.values(iteration);
             let (node, target) = self.select(&mut values);
             if iteration % CONNECT_EVERY == CONNECT_EVERY - 1 {
-                self.connect_at_random(node, &mut values, context)?;
+                self.connect_at_random(node, &mut values, meter)?;
             } else {
-                self.expand(node, target.as_deref(), &mut values, context)?;
+                self.expand(node, target.as_deref(), &mut values, meter)?;
             }
         }
         Ok(())
-    }
-
-    /// Spends work units; whether any are left.
-    pub fn spend(&mut self, units: u64, context: &mut JobContext<'_>) -> Result<bool, Interrupted> {
-        self.spent = self.spent.saturating_add(units);
-        Ok(context.spend(units)? && self.spent <= self.limit)
     }
 
     /// Grows the tree from a node: one step by target or by chance, then on by the informed oracle while it gets nearer.
@@ -110,7 +99,7 @@ impl<'a, V: CompositeValidity> Search<'a, V> {
         node: NodeId,
         target: Option<&[Vec<f64>]>,
         values: &mut SampleValues,
-        context: &mut JobContext<'_>,
+        meter: &mut Meter<'_, '_>,
     ) -> Result<(), Interrupted> {
         let state = self.tree.get(node).state.clone();
         *self.tried.entry(state.vector).or_insert(0) += 1;
@@ -129,7 +118,7 @@ impl<'a, V: CompositeValidity> Search<'a, V> {
         }
         let mut reached = self.try_step(node, order, first);
         while let Some(from) = reached {
-            if self.solution == Some(from) || !self.spend(1, context)? {
+            if self.solution == Some(from) || !meter.spend(1)? {
                 break;
             }
             let state = self.tree.get(from).state.clone();

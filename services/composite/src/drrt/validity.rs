@@ -28,7 +28,8 @@ pub struct TimedEdge {
     pub travel: Move,
 }
 
-/// Geometry as the composite search sees it. Both answers must be functions of their arguments.
+/// Geometry as the composite search sees it. Answers must not depend on the names: equal motions of a robot in different
+/// modes are asked about once.
 pub trait CompositeValidity {
     /// Whether two robots come too close when they set out at the same time, each at its own pace, and then stand at the
     /// ends of their edges for ever.

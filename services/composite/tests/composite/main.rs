@@ -3,6 +3,7 @@
 mod assembly;
 mod commitment;
 mod delays;
+mod drrt;
 mod oracle;
 mod orders;
 mod relation;

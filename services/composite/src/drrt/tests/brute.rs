@@ -118,7 +118,8 @@ fn step(toy: &Toy, state: &State, acts: &[Act]) -> Option<(State, f64)> {
     for b in 0..acts.len() {
         for a in 0..b {
             let both_stay = acts[a] == Act::Stay && acts[b] == Act::Stay;
-            if !both_stay && (toy.table.conflict)(named(toy, state, acts, &next, a), named(toy, state, acts, &next, b)) {
+            if !both_stay && (toy.table.conflict)(named(toy, state, acts, &next, a), named(toy, state, acts, &next, b))
+            {
                 return None;
             }
         }

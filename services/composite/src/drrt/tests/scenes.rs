@@ -120,7 +120,10 @@ fn a_finished_robot_moves_aside() {
 fn a_robot_without_work_stands_where_it_is() {
     let tasks = [(0, 0, 0, 2)];
     let report = refused(&places(path(3), &[0, 1], &tasks).toy(0));
-    assert!(matches!(&report.causes[0].0, Cause::Deadlock { robots } if robots.contains(&"r0".to_owned())), "{report:?}");
+    assert!(
+        matches!(&report.causes[0].0, Cause::Deadlock { robots } if robots.contains(&"r0".to_owned())),
+        "{report:?}"
+    );
     let mut round = path(3);
     round.extend([(0, 3, 1.0), (3, 2, 1.0)]);
     solved(&places(round, &[0, 1], &tasks).toy(0));
@@ -177,8 +180,8 @@ fn equal_seeds_give_equal_bytes_and_the_budget_is_kept() {
     }
     for budget in [0, 1, 3, 10, 30] {
         let (outcome, spent) = toy(0).solve_after(&[], budget);
-        // The last thing begun may be a connection of up to 20 000 places for a robot.
-        assert!(spent <= budget + 1 + 20_000 / 32 * 2, "{spent} of {budget}");
+        // The steps of the last connection may go beyond it.
+        assert!(spent <= budget + 100, "{spent} of {budget}");
         if let Err(report) = outcome.unwrap() {
             assert!(report.causes.iter().any(|(cause, _)| matches!(cause, Cause::Budget { .. })), "{report:?}");
         }

@@ -61,9 +61,10 @@ fn add(toy: &Toy, lines: &mut [Line], commitment: &Commitment) -> Result<(), Str
             return Err(format!("robot {robot} does not rest until {rested}"));
         }
         let is = |vertex: contract::VertexId, q: &[f64]| roadmap.vertices[vertex.index()] == q;
-        let mut along = roadmap.edges.iter().filter(|e| {
-            (is(e.a, &m.from) && is(e.b, &m.to)) || (is(e.b, &m.from) && is(e.a, &m.to))
-        });
+        let mut along = roadmap
+            .edges
+            .iter()
+            .filter(|e| (is(e.a, &m.from) && is(e.b, &m.to)) || (is(e.b, &m.from) && is(e.a, &m.to)));
         let fits = along.any(|e| (m.ends_s - m.begins_s - e.duration_s).abs() < EQUAL && e.kind == m.kind);
         let is_vertex = roadmap.vertices.contains(&m.from);
         if !(stands && is_vertex || fits) {
@@ -123,7 +124,8 @@ fn check_steps(toy: &Toy, lines: &[Line]) -> Result<(), String> {
     times.dedup();
     let mut before: Option<BTreeMap<Occupancy, bool>> = None;
     for (i, now) in times.iter().enumerate() {
-        let ended = |line: &Line, count: fn(f64, f64) -> bool| line.ends.iter().filter(|end| count(**end, *now)).count();
+        let ended =
+            |line: &Line, count: fn(f64, f64) -> bool| line.ends.iter().filter(|end| count(**end, *now)).count();
         // The closing return never ends.
         let cap = |robot: usize, modes: usize| modes.min(toy.roadmaps[robot].len().saturating_sub(1));
         let modes: Vec<usize> =
@@ -197,10 +199,12 @@ fn check_alone(
         return Ok(());
     }
     for (occupancy, _) in world.iter().filter(|(o, there)| **there && !world_before[o]) {
-        let placer = toy.skeleton.interval_of(*occupancy).from.map(|e| toy.statement.problem.pair(e.pair).robot.index());
+        let placer =
+            toy.skeleton.interval_of(*occupancy).from.map(|e| toy.statement.problem.pair(e.pair).robot.index());
         let vertex = roadmap.vertices.iter().position(|v| *v == own.vertex);
         let at_vertex = roadmap.edges.iter().filter(|e| [e.a, e.b].iter().any(|v| Some(v.index()) == vertex));
-        let all_blocked = at_vertex.clone().all(|e| e.blockers.iter().any(|b| roadmap.possible[*b as usize] == *occupancy));
+        let all_blocked =
+            at_vertex.clone().all(|e| e.blockers.iter().any(|b| roadmap.possible[*b as usize] == *occupancy));
         if placer != Some(robot) && all_blocked && (toy.table.hit)(own.name, *occupancy) {
             return Err(format!("{occupancy:?} is placed on robot {robot} at {now}"));
         }

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use contract::{
-    Commitment, CompositeMethod, ComposeJob, Composition, Digest, Edge, EdgeKind, FailureReport, Interrupted, Job,
+    Commitment, ComposeJob, CompositeMethod, Composition, Digest, Edge, EdgeKind, FailureReport, Interrupted, Job,
     JobContext, JobId, MemoryProducts, ModeRoadmap, ProblemStatement, Request, VertexId,
 };
 use model::{
-    AllowedContacts, Coordinate, EndEffector, EndPolicy, GivenOrdering, Levels, Link, LinkId, ObjectId, Pair, PlanarBase,
-    Point, Pose, Problem, RegionId, Robot, RobotId, Settings,
+    AllowedContacts, Coordinate, EndEffector, EndPolicy, GivenOrdering, GraspId, Holding, Levels, Link, LinkId,
+    ObjectId, Pair, PlanarBase, Point, Pose, Problem, RegionId, Robot, RobotId, Settings,
 };
 use skeleton::{ModeId, Occupancy, Skeleton};
 
@@ -121,12 +121,8 @@ pub fn problem(starts: &[usize], tasks: &[Task], objects: usize, orders: &[Order
 }
 
 fn robot(index: usize, start: usize) -> Robot {
-    let coordinate = |name: &str, bound: f64| Coordinate {
-        name: name.to_owned(),
-        lower: -bound,
-        upper: bound,
-        velocity: 1e9,
-    };
+    let coordinate =
+        |name: &str, bound: f64| Coordinate { name: name.to_owned(), lower: -bound, upper: bound, velocity: 1e9 };
     Robot {
         name: format!("r{index}"),
         world_from_base: Pose::identity(),
@@ -156,10 +152,7 @@ fn robot(index: usize, start: usize) -> Robot {
 fn movable(index: usize) -> model::MovableObject {
     model::MovableObject {
         name: format!("m{index}"),
-        body: model::Body {
-            owner_from_shape: Pose::identity(),
-            shape: model::Shape::Sphere { radius: 0.1 },
-        },
+        body: model::Body { owner_from_shape: Pose::identity(), shape: model::Shape::Sphere { radius: 0.1 } },
         world_from_start: Pose::identity(),
         start_support: None,
         grasps: Vec::new(),
@@ -189,7 +182,8 @@ pub fn roadmap(
 ) -> ModeRoadmap {
     ModeRoadmap {
         mode: ModeId { robot: RobotId::at(robot), step: step as u32 },
-        holding: None,
+        // Each mode is another motion, though the places may be the same.
+        holding: Some(Holding { object: ObjectId(0), grasp: GraspId::at(step) }),
         cost_to_go_s: vec![0.0; vertices.len()],
         vertices,
         edges,
@@ -253,9 +247,8 @@ impl Places {
         let places = self.edges.iter().map(|(a, b, _)| a.max(b) + 1).max().unwrap_or(1);
         let possible: Vec<Occupancy> = skeleton.occupancies().collect();
         let blockers = |ends: &[usize]| -> Vec<u32> {
-            let blocked = |i: &u32| {
-                self.blocks.iter().any(|(o, place)| *o == possible[*i as usize] && ends.contains(place))
-            };
+            let blocked =
+                |i: &u32| self.blocks.iter().any(|(o, place)| *o == possible[*i as usize] && ends.contains(place));
             (0..possible.len() as u32).filter(blocked).collect()
         };
         let mut vertices: Vec<Vec<f64>> = (0..places).map(|place| configuration(place, false)).collect();
@@ -274,7 +267,7 @@ impl Places {
             })
         };
         let (start, goal) = (end(start), end(goal));
-        roadmap(robot, step, vertices, edges, start, goal, possible)
+        ModeRoadmap { holding: None, ..roadmap(robot, step, vertices, edges, start, goal, possible) }
     }
 }
 
@@ -309,7 +302,8 @@ impl Toy {
 /// Which events have happened when the robots are in these modes (by step): an event ends its mode.
 pub fn present(skeleton: &Skeleton, modes: &[usize]) -> BTreeMap<Occupancy, bool> {
     let happened = |event: skeleton::Event| {
-        let ended = |robot: usize, mode: &skeleton::Mode| mode.ends == Some(event) && modes[robot] > mode.id.step as usize;
+        let ended =
+            |robot: usize, mode: &skeleton::Mode| mode.ends == Some(event) && modes[robot] > mode.id.step as usize;
         skeleton.modes.iter().enumerate().any(|(robot, own)| own.iter().any(|mode| ended(robot, mode)))
     };
     let is_present = |occupancy: Occupancy| {

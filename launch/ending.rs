@@ -12,6 +12,8 @@ use serde::Serialize;
 use crate::exit;
 use crate::in_process::RunEnd;
 use crate::progress::Progress;
+use crate::result_file::write_whole;
+use crate::view;
 
 /// How a run is concluded.
 pub struct Conclusion<'a> {
@@ -87,7 +89,10 @@ impl Conclusion<'_> {
             ));
         }
         write(self.out, "plan.json", &bytes)?;
+        let page = view::plan_page(&self.statement.problem, &plan, &run.refinement.stages, &[]).into_diagnostic()?;
+        write(self.out, "plan.html", page.as_bytes())?;
         remove_stale(self.out, "failure.json")?;
+        remove_stale(self.out, "failure.html")?;
         self.progress.say("[checker] certified");
         if self.json {
             self.report("solved", run, "plan.json", Some(figures(&plan)), &[])?;
@@ -107,15 +112,16 @@ impl Conclusion<'_> {
             provenance: provenance(self.statement, &run.refinement.ledger),
         };
         write(self.out, "failure.json", &plan::write_failure(&failure).into_diagnostic()?)?;
+        let page = view::failure_page(&self.statement.problem, &failure).into_diagnostic()?;
+        write(self.out, "failure.html", page.as_bytes())?;
         remove_stale(self.out, "plan.json")?;
-        let (code, name, said) = match result {
-            ResultKind::InfeasibleProven => (exit::INFEASIBLE, "infeasible_proven", "There is no plan: proven."),
-            ResultKind::SamplesExhausted => {
-                (exit::EXHAUSTED, "samples_exhausted", "No plan among the samples tried. That is no proof.")
-            }
-            ResultKind::LimitReached => (exit::LIMIT, "limit_reached", "No plan within the limit."),
+        remove_stale(self.out, "plan.html")?;
+        let (code, name) = match result {
+            ResultKind::InfeasibleProven => (exit::INFEASIBLE, "infeasible_proven"),
+            ResultKind::SamplesExhausted => (exit::EXHAUSTED, "samples_exhausted"),
+            ResultKind::LimitReached => (exit::LIMIT, "limit_reached"),
         };
-        eprintln!("\n{said}");
+        eprintln!("\n{}", crate::words::result(result));
         for count in &failure.stages {
             eprintln!("  {:<10} {:>6} jobs, {:>6} failed", count.stage, count.jobs, count.failures);
         }
@@ -126,6 +132,7 @@ impl Conclusion<'_> {
             eprintln!("  {times:>6} times: {}", crate::words::cause(cause));
         }
         eprintln!("Written: {}", self.out.join("failure.json").display());
+        eprintln!("To look at: {}", self.out.join("failure.html").display());
         if self.json {
             self.report(name, run, "failure.json", None, causes)?;
         }
@@ -179,7 +186,8 @@ impl Conclusion<'_> {
                 count.stage, count.jobs, count.failures, count.work
             );
         }
-        text + &format!("  written      {}\n", self.out.join("plan.json").display())
+        text += &format!("  written      {}\n", self.out.join("plan.json").display());
+        text + &format!("  to look at   {}\n", self.out.join("plan.html").display())
     }
 }
 
@@ -230,13 +238,8 @@ pub fn finished_plan(statement: &ProblemStatement, ledger: &Ledger, product: &[u
 
 /// Writes a file whole or not at all.
 fn write(out: &Path, name: &str, bytes: &[u8]) -> miette::Result<()> {
-    let write = || {
-        std::fs::create_dir_all(out)?;
-        let unfinished = out.join(format!(".{name}.unfinished"));
-        std::fs::write(&unfinished, bytes)?;
-        std::fs::rename(&unfinished, out.join(name))
-    };
-    write().into_diagnostic().wrap_err_with(|| format!("{} cannot be written", out.join(name).display()))
+    let path = out.join(name);
+    write_whole(&path, bytes).into_diagnostic().wrap_err_with(|| format!("{} cannot be written", path.display()))
 }
 
 /// Removes what an earlier run left under the other name.

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use launch::{bench_command, check_command, plan_command, schema_command};
+use launch::{bench_command, check_command, export_command, plan_command, schema_command, view_command};
 
 /// Multi-robot task and motion planning: refines a task plan into a plan that every robot executes on its own clock.
 #[derive(Parser)]
@@ -21,6 +21,10 @@ enum Command {
     Bench(bench_command::BenchArgs),
     /// Checks a plan independently of the planner.
     Check(check_command::CheckArgs),
+    /// Writes the page that shows a plan, or why there is none.
+    View(view_command::ViewArgs),
+    /// Writes a plan in another program's format.
+    Export(export_command::ExportArgs),
     /// Prints the JSON Schema of a file format.
     Schema(schema_command::SchemaArgs),
 }
@@ -30,6 +34,8 @@ fn main() -> ExitCode {
         Command::Plan(args) => plan_command::run(&args),
         Command::Bench(args) => bench_command::run(&args),
         Command::Check(args) => check_command::run(&args),
+        Command::View(args) => view_command::run(&args),
+        Command::Export(args) => export_command::run(&args),
         Command::Schema(args) => schema_command::run(&args),
     };
     ended.unwrap_or_else(|report| {

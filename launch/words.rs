@@ -1,7 +1,7 @@
 //! Causes, modes and results in a user's words.
 
 use model::Problem;
-use plan::{BodyRef, Cause, PairPoint, PlanOrdering};
+use plan::{BodyRef, Cause, PairPoint, PlanOrdering, ResultKind};
 use skeleton::ModeId;
 
 /// A mode, e.g. `r1.2 transfer`.
@@ -11,6 +11,16 @@ pub fn mode(problem: &Problem, mode: ModeId) -> String {
     match problem.pairs_of_robot(mode.robot).nth(mode.step as usize / 2) {
         Some(pair) => format!("{} {}", problem.pair(pair).name, ["transit", "transfer"][mode.step as usize % 2]),
         None => format!("{name} return"),
+    }
+}
+
+/// How a search without a plan ended.
+#[must_use]
+pub fn result(result: ResultKind) -> &'static str {
+    match result {
+        ResultKind::InfeasibleProven => "There is no plan: proven.",
+        ResultKind::SamplesExhausted => "No plan among the samples tried. That is no proof.",
+        ResultKind::LimitReached => "No plan within the limit.",
     }
 }
 

@@ -102,7 +102,7 @@ fn an_object_out_of_reach_is_named_and_nothing_is_called_proven() {
     problem.fixed[support].world_from_object = away * problem.fixed[support].world_from_object;
     problem.regions[region].world_from_region = away * problem.regions[region].world_from_region;
     problem.levels.highest = 0;
-    let Err(refiner::End::Failed { result, causes }) = try_plan(&problem, 0, Prioritised) else {
+    let Err(refiner::End::Failed { result, causes, .. }) = try_plan(&problem, 0, Prioritised) else {
         panic!("planned, or a fault");
     };
     assert_eq!(result, plan::ResultKind::SamplesExhausted);

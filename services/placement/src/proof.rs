@@ -29,7 +29,7 @@ pub(crate) fn impossible(problem: &Problem, layout: &Layout) -> Option<FailureRe
 pub(crate) fn proven(causes: Vec<Cause>) -> FailureReport {
     let mut tally = CauseTally::default();
     causes.into_iter().for_each(|cause| tally.count(cause));
-    FailureReport { causes: tally.ranked(), soundness: Soundness::Hard }
+    FailureReport { causes: tally.ranked(), soundness: Soundness::Hard, certificate: None }
 }
 
 fn too_large(problem: &Problem, layout: &Layout) -> Option<Vec<Cause>> {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use contract::{AskFault, CauseTally, JobId};
+use contract::{AskFault, CauseTally, FailureReport, JobId};
 use model::PairId;
 use plan::Cause;
 use skeleton::Occupancy;
@@ -54,16 +54,36 @@ impl Conflict {
     }
 }
 
+/// Why the whole search ends without a plan.
+pub(crate) enum Halt {
+    /// Asking failed.
+    Fault(AskFault),
+    /// A stage proves that there is none, whatever is chosen.
+    Proven(FailureReport),
+}
+
+impl From<AskFault> for Halt {
+    fn from(fault: AskFault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
 /// Why a part of the search has no result.
 pub(crate) enum Stuck {
-    /// Asking failed: the run ends.
-    Fault(AskFault),
+    /// The run ends.
+    Halted(Halt),
     /// The choices cannot be completed.
     Failed(Conflict),
 }
 
 impl From<AskFault> for Stuck {
     fn from(fault: AskFault) -> Self {
-        Self::Fault(fault)
+        Self::Halted(fault.into())
+    }
+}
+
+impl From<Halt> for Stuck {
+    fn from(halt: Halt) -> Self {
+        Self::Halted(halt)
     }
 }

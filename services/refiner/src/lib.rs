@@ -14,10 +14,11 @@ mod roadmaps;
 mod search;
 
 use contract::{AskFault, AskStages, Ledger, LedgerEntry, ProblemStatement, ProductRef};
-use plan::{Cause, ResultKind, StageCount};
+use plan::{Cause, Certificate, ResultKind, StageCount};
+use serde::{Deserialize, Serialize};
 
 /// How a search ended.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum End {
     /// With a plan.
     Solved {
@@ -32,13 +33,15 @@ pub enum End {
         result: ResultKind,
         /// Causes with how often each was met, most frequent first.
         causes: Vec<(Cause, u64)>,
+        /// A stage's proof, if that is the result; nobody has verified it yet.
+        certificate: Option<Certificate>,
     },
     /// Without one, because asking failed.
     Fault(AskFault),
 }
 
 /// What a search leaves behind.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Refinement {
     /// The committed log.
     pub ledger: Ledger,

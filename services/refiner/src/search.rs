@@ -7,12 +7,12 @@ use contract::{
     Outcome, PlacementCandidate, PlacementJob, ProblemStatement, Request, Soundness, StageKind,
 };
 use model::Problem;
-use plan::{Cause, PairPoint, ResultKind, StageCount};
+use plan::{Cause, Certificate, PairPoint, ResultKind, StageCount};
 use skeleton::{Cycle, Skeleton};
 
 use crate::budgets::Budgets;
 use crate::candidate::{Candidate, Found};
-use crate::conflict::{Choice, Conflict, Stuck};
+use crate::conflict::{Choice, Conflict, Halt, Stuck};
 use crate::{End, Refinement};
 
 /// State of one search.
@@ -61,19 +61,23 @@ impl<'a> Search<'a> {
                 self.commit(LedgerEntry::Solved { plan: plan.digest });
                 End::Solved { plan, makespan_s }
             }
-            Ok(None) => self.failed(ResultKind::SamplesExhausted),
-            Err(AskFault::TimeLimit) => self.failed(ResultKind::LimitReached),
-            Err(fault) => End::Fault(fault),
+            Ok(None) => self.failed(ResultKind::SamplesExhausted, None),
+            Err(Halt::Proven(report)) => {
+                self.causes.count_all(&report.causes);
+                self.failed(ResultKind::InfeasibleProven, report.certificate)
+            }
+            Err(Halt::Fault(AskFault::TimeLimit)) => self.failed(ResultKind::LimitReached, None),
+            Err(Halt::Fault(fault)) => End::Fault(fault),
         };
         let stages = self.counts.into_values().collect();
         Refinement { ledger: self.ledger, end, stages }
     }
 
-    fn failed(&mut self, result: ResultKind) -> End {
-        End::Failed { result, causes: std::mem::take(&mut self.causes).ranked() }
+    fn failed(&mut self, result: ResultKind, certificate: Option<Certificate>) -> End {
+        End::Failed { result, causes: std::mem::take(&mut self.causes).ranked(), certificate }
     }
 
-    fn levels(&mut self) -> Result<Option<Found>, AskFault> {
+    fn levels(&mut self) -> Result<Option<Found>, Halt> {
         let skeleton = match Skeleton::of_problem(self.problem()) {
             Ok(skeleton) => skeleton,
             Err(cycle) => {
@@ -93,7 +97,7 @@ impl<'a> Search<'a> {
     }
 
     /// Candidates one after the other; with causes, each failure excludes every candidate that shares its choices.
-    fn level(&mut self, level: u32, skeleton: &Skeleton) -> Result<LevelEnd, AskFault> {
+    fn level(&mut self, level: u32, skeleton: &Skeleton) -> Result<LevelEnd, Halt> {
         let budgets = Budgets::at(&self.problem().levels, level);
         let mut nogoods: Vec<Vec<Literal>> = Vec::new();
         for tried in 0..self.statement.options.candidates {
@@ -101,7 +105,7 @@ impl<'a> Search<'a> {
             let job = PlacementJob { level, first, count: 1, nogoods: nogoods.clone() };
             let candidate = match self.ask_one(&budgets.job(Request::Placement(job)))?.result {
                 Ok(Answer::Placements(candidates)) => candidates.into_iter().next(),
-                Ok(_) => return Err(misfit(StageKind::Placement)),
+                Ok(_) => return Err(misfit(StageKind::Placement).into()),
                 Err(report) => {
                     self.causes.count_all(&report.causes);
                     let hopeless = report.soundness == Soundness::Hard && nogoods.is_empty();
@@ -112,7 +116,7 @@ impl<'a> Search<'a> {
             self.commit(LedgerEntry::Decided(Decision::Placement(tried)));
             let conflict = match self.refine(level, budgets, skeleton, &candidate) {
                 Ok(found) => return Ok(LevelEnd::Solved(found)),
-                Err(Stuck::Fault(fault)) => return Err(fault),
+                Err(Stuck::Halted(halt)) => return Err(halt),
                 Err(Stuck::Failed(conflict)) => conflict,
             };
             self.causes.count_all(&conflict.causes.clone().ranked());
@@ -173,13 +177,13 @@ impl<'a> Search<'a> {
         self.stages.job_id(job)
     }
 
-    pub(crate) fn ask_one(&mut self, job: &Job) -> Result<Outcome, AskFault> {
+    pub(crate) fn ask_one(&mut self, job: &Job) -> Result<Outcome, Halt> {
         let mut outcomes = self.ask(std::slice::from_ref(job))?;
-        outcomes.pop().ok_or(misfit(job.stage()))
+        outcomes.pop().ok_or_else(|| misfit(job.stage()).into())
     }
 
-    /// Outcomes in the order of the jobs, all committed to the ledger.
-    pub(crate) fn ask(&mut self, jobs: &[Job]) -> Result<Vec<Outcome>, AskFault> {
+    /// Outcomes in the order of the jobs, all committed to the ledger. The first proof that there is no plan ends the search.
+    pub(crate) fn ask(&mut self, jobs: &[Job]) -> Result<Vec<Outcome>, Halt> {
         let outcomes = self.stages.ask(jobs)?;
         for (job, outcome) in jobs.iter().zip(&outcomes) {
             let id = self.id(job);
@@ -189,7 +193,11 @@ impl<'a> Search<'a> {
                 self.count(job.stage(), outcome);
             }
         }
-        Ok(outcomes)
+        let reports = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().err());
+        match reports.into_iter().find(|report| report.proof().is_some()) {
+            Some(report) => Err(Halt::Proven(report.clone())),
+            None => Ok(outcomes),
+        }
     }
 
     fn count(&mut self, stage: StageKind, outcome: &Outcome) {

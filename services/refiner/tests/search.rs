@@ -116,7 +116,7 @@ fn alternative(problem: &Problem, pair: PairId, index: u32) -> Alternative {
 }
 
 fn fails(cause: Cause, soundness: Soundness) -> Outcome {
-    Outcome { result: Err(FailureReport { causes: vec![(cause, 1)], soundness }), work: 1 }
+    Outcome { result: Err(FailureReport { causes: vec![(cause, 1)], soundness, certificate: None }), work: 1 }
 }
 
 fn no_path(pair: &str) -> Cause {
@@ -186,7 +186,7 @@ fn when_no_alternative_is_left_the_next_placement_is_tried_and_later_stages_wait
     });
     let mut stages = Scripted::new(&statement, vec![rule]);
     let run = stages.run();
-    let End::Failed { result, causes } = run.end else { panic!("solved without a grasp") };
+    let End::Failed { result, causes, .. } = run.end else { panic!("solved without a grasp") };
     assert_eq!(result, ResultKind::SamplesExhausted);
     assert_eq!(causes[0].0, Cause::NoCommonGrasp { pair: "p".into() });
     let levels = decisions(&run.ledger).into_iter().filter(|d| matches!(d, Decision::Level(_))).count();
@@ -208,7 +208,8 @@ fn a_hard_failure_of_placement_ends_the_search_at_once() {
     let mut stages = Scripted::new(&statement, vec![rule]);
     let run = stages.run();
     assert_eq!(stages.asked.len(), 1);
-    assert_eq!(run.end, End::Failed { result: ResultKind::SamplesExhausted, causes: vec![(cause, 1)] });
+    let result = ResultKind::SamplesExhausted;
+    assert_eq!(run.end, End::Failed { result, causes: vec![(cause, 1)], certificate: None });
 }
 
 #[test]

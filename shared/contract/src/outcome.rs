@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use model::PairId;
-use plan::Cause;
+use plan::{Cause, Certificate};
 use serde::{Deserialize, Serialize};
 use skeleton::{Event, Occupancy};
 
@@ -64,6 +64,8 @@ pub struct FailureReport {
     pub causes: Vec<(Cause, u64)>,
     /// Whether more samples could help.
     pub soundness: Soundness,
+    /// A proof that the whole problem has no plan, whatever is chosen elsewhere; only with [`Soundness::Hard`].
+    pub certificate: Option<Certificate>,
 }
 
 /// How far a failure goes.
@@ -153,6 +155,27 @@ impl Outcome {
     /// A failure at one level.
     #[must_use]
     pub fn soft_failure(causes: CauseTally, level: u32, work: u64) -> Self {
-        Self { result: Err(FailureReport { causes: causes.ranked(), soundness: Soundness::Soft { level } }), work }
+        let soundness = Soundness::Soft { level };
+        Self { result: Err(FailureReport { causes: causes.ranked(), soundness, certificate: None }), work }
+    }
+
+    /// A proof that there is no plan.
+    #[must_use]
+    pub fn infeasible(causes: CauseTally, certificate: Certificate, work: u64) -> Self {
+        Self { result: Err(FailureReport::infeasible(causes, certificate)), work }
+    }
+}
+
+impl FailureReport {
+    /// A proof that there is no plan.
+    #[must_use]
+    pub fn infeasible(causes: CauseTally, certificate: Certificate) -> Self {
+        Self { causes: causes.ranked(), soundness: Soundness::Hard, certificate: Some(certificate) }
+    }
+
+    /// The proof that there is no plan, if the report carries one.
+    #[must_use]
+    pub fn proof(&self) -> Option<&Certificate> {
+        self.certificate.as_ref().filter(|_| self.soundness == Soundness::Hard)
     }
 }

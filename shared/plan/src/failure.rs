@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{PairPoint, Provenance};
+use crate::{Certificate, PairPoint, Provenance};
 
 /// The whole of `failure.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -16,6 +16,9 @@ pub struct Failure {
     pub result: ResultKind,
     /// Causes with how often each was met, most frequent first.
     pub causes: Vec<(Cause, u64)>,
+    /// The proof, if the result is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<Certificate>,
     /// Work of each stage.
     pub stages: Vec<StageCount>,
     /// What it was made from.

@@ -3,6 +3,7 @@
 //! `plan.json` has the format `mrtamp-plan/1`, `failure.json` the format `mrtamp-failure/1`. Both are written with a
 //! fixed field order and shortest round-trip numbers, so equal values give equal bytes.
 
+mod certificate;
 mod dependency;
 mod failure;
 mod file;
@@ -10,6 +11,10 @@ mod ordering;
 mod provenance;
 mod trajectory;
 
+pub use certificate::{
+    BaseMap, Certificate, Cover, CycleArc, CycleOrigin, Disc, Distance, DistanceLimit, Exclusion, GraspReason, PairEnd,
+    RefutedGrasp, Stay,
+};
 pub use dependency::{Dependency, KnotRef};
 pub use failure::{BodyRef, Cause, Failure, ResultKind, StageCount};
 pub use file::{FAILURE_FORMAT, PLAN_FORMAT, PlanFileError, read_failure, read_plan, write_failure, write_plan};

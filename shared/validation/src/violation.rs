@@ -1,6 +1,6 @@
 //! What the checker finds: rules, violations, and the verdict on an accepted plan.
 
-/// The rules a plan must keep.
+/// The rules that plans and failures must keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
     /// Form of the trajectories: names, sizes, finite numbers, strictly increasing times, segments without gaps.
@@ -32,11 +32,15 @@ pub enum Rule {
     V13,
     /// Reported makespans are those of the trajectories (1e-9), and no bound exceeds them.
     V14,
+    /// No discovered ordering is redundant: none follows from the others, and what it names as its cause is so.
+    V15,
+    /// A failure that is called proven carries a certificate that holds.
+    V16,
 }
 
 impl Rule {
     /// All rules in order.
-    pub const ALL: [Rule; 14] = [
+    pub const ALL: [Rule; 16] = [
         Rule::V1,
         Rule::V2,
         Rule::V3,
@@ -51,6 +55,8 @@ impl Rule {
         Rule::V12,
         Rule::V13,
         Rule::V14,
+        Rule::V15,
+        Rule::V16,
     ];
 
     /// Number and subject, for messages.
@@ -71,6 +77,8 @@ impl Rule {
             "V12 allowed contacts",
             "V13 goal and end policy",
             "V14 makespan",
+            "V15 orderings without need",
+            "V16 certificate of infeasibility",
         ][self as usize]
     }
 }

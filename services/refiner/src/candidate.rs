@@ -17,6 +17,15 @@ use crate::search::{Search, misfit};
 /// Alternatives asked for each pair.
 const ALTERNATIVES: u32 = 48;
 
+/// Other ways to do a pair that are looked at before an ordering is added for it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Detour {
+    /// How many were looked at.
+    pub(crate) steps: u32,
+    /// The alternative from which they began.
+    pub(crate) from: usize,
+}
+
 /// The choices of one placement candidate.
 pub(crate) struct Candidate<'a> {
     pub(crate) problem: &'a Problem,
@@ -31,6 +40,8 @@ pub(crate) struct Candidate<'a> {
     pub(crate) orders: Vec<DiscoveredOrder>,
     /// Alternatives of each pair as the transition stage gave them.
     offered: Vec<Vec<Alternative>>,
+    /// How each pair's detours stand.
+    pub(crate) detours: Vec<Detour>,
     /// Failures of composite motion that are still allowed.
     patience: u32,
 }
@@ -69,6 +80,7 @@ impl<'a> Candidate<'a> {
             choices: vec![PairChoice::default(); problem.pairs.len()],
             orders: placement.orders.clone(),
             offered: vec![Vec::new(); problem.pairs.len()],
+            detours: vec![Detour::default(); problem.pairs.len()],
             patience: search.statement.options.composite_failures,
         }
     }
@@ -85,6 +97,7 @@ impl<'a> Candidate<'a> {
         loop {
             let modes = self.roadmaps(search)?;
             let conflict = match self.obstructed(&modes) {
+                Some(obstructed) if self.detour(search, &obstructed) => continue,
                 Some(obstructed) => match self.order(search, &obstructed) {
                     Ok(found) => return Ok(found),
                     Err(Stuck::Failed(conflict)) => conflict,

@@ -42,6 +42,23 @@ impl PairChoice {
         self.list.get(self.at).ok_or_else(|| self.conflict.clone())
     }
 
+    /// Leaves the chosen alternative for the next one, which may be taken back; whether there is one.
+    pub(crate) fn step(&mut self) -> bool {
+        let more = self.at + 1 < self.list.len();
+        self.at += usize::from(more);
+        more
+    }
+
+    /// The position of the chosen alternative, for [`PairChoice::take_back`].
+    pub(crate) fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Chooses an earlier alternative again.
+    pub(crate) fn take_back(&mut self, position: usize) {
+        self.at = position.min(self.at);
+    }
+
     /// Every alternative of `list` is open again: a choice they were given up for has changed.
     pub(crate) fn reopen(&mut self, list: Vec<Alternative>) {
         let revisions = self.revisions;

@@ -3,15 +3,14 @@
 use std::collections::BTreeSet;
 
 use contract::{
-    Answer, AskFault, ComposeJob, CompositeMethod, Composition, Decision, Job, LedgerEntry, ProductRef, Request,
-    StageKind,
+    Answer, ComposeJob, CompositeMethod, Composition, Decision, Job, LedgerEntry, ProductRef, Request, StageKind,
 };
 use model::PairId;
 use plan::Cause;
 use skeleton::{Event, Mode, ModeId};
 
 use crate::candidate::{Candidate, Found, Modes};
-use crate::conflict::{Choice, Conflict, Stuck};
+use crate::conflict::{Choice, Conflict, Halt, Stuck};
 use crate::search::{Search, misfit};
 
 /// A mode that could be committed next.
@@ -28,10 +27,7 @@ impl Candidate<'_> {
             CompositeMethod::Drrt => self.drrt(search, modes, None, self.all_pairs())?,
             CompositeMethod::Prioritised => match self.commit_modes(search, modes)? {
                 Committed::All(prefix) => prefix,
-                Committed::Part(prefix, conflict) if conflict.choices.is_empty() => {
-                    self.drrt(search, modes, prefix, self.all_pairs())?
-                }
-                Committed::Part(prefix, conflict) => self.drrt(search, modes, prefix, conflict.choices)?,
+                Committed::Part(prefixes, conflict) => self.drrt_from(search, modes, &prefixes, conflict.choices)?,
             },
         };
         let shortest_s = modes.iter().map(|robot| robot.iter().map(|mode| mode.shortest_s).collect()).collect();
@@ -48,10 +44,11 @@ impl Candidate<'_> {
     }
 
     /// Commits the mode whose event comes earliest, again and again, until all are committed or none can be.
-    fn commit_modes(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Committed, AskFault> {
+    fn commit_modes(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Committed, Halt> {
         let mut next = vec![0_usize; modes.len()];
-        let mut prefix = None;
+        let mut prefixes: Vec<ProductRef> = Vec::new();
         loop {
+            let prefix = prefixes.last().copied();
             let ready = self.ready_modes(&next);
             let left = self.skeleton.modes.iter().zip(&next).any(|(modes, next)| *next < modes.len());
             if let (false, Some(prefix)) = (left, prefix) {
@@ -67,7 +64,7 @@ impl Candidate<'_> {
                             best = Some(Ready { mode: mode.id, prefix, event_s });
                         }
                     }
-                    Ok(_) => return Err(misfit(StageKind::Composite)),
+                    Ok(_) => return Err(misfit(StageKind::Composite).into()),
                     Err(report) => {
                         let own = mode.pair.or(mode.begins.map(|event| event.pair));
                         let pairs = own.into_iter().chain(self.pairs_at_fault(&report.causes, &next));
@@ -76,10 +73,10 @@ impl Candidate<'_> {
                     }
                 }
             }
-            let Some(best) = best else { return Ok(Committed::Part(prefix, conflict)) };
+            let Some(best) = best else { return Ok(Committed::Part(prefixes, conflict)) };
             search.commit(LedgerEntry::Decided(Decision::Commit(best.mode)));
             next[best.mode.robot.index()] += 1;
-            prefix = Some(best.prefix);
+            prefixes.push(best.prefix);
         }
     }
 
@@ -128,6 +125,26 @@ impl Candidate<'_> {
         })
     }
 
+    /// The composite search where commitment came to a dead end: from half way, then from the beginning.
+    fn drrt_from(
+        &self,
+        search: &mut Search<'_>,
+        modes: &Modes,
+        prefixes: &[ProductRef],
+        mut between: BTreeSet<Choice>,
+    ) -> Result<ProductRef, Stuck> {
+        if between.is_empty() {
+            between = self.all_pairs();
+        }
+        if let Some(half_way) = prefixes.get(prefixes.len() / 2) {
+            match self.drrt(search, modes, Some(*half_way), between.clone()) {
+                Err(Stuck::Failed(_)) => {}
+                ended => return ended,
+            }
+        }
+        self.drrt(search, modes, None, between)
+    }
+
     /// The composite search for everything after a prefix; where it fails, one of `between` should change.
     fn drrt(
         &self,
@@ -161,6 +178,6 @@ impl Candidate<'_> {
 enum Committed {
     /// All modes.
     All(ProductRef),
-    /// The prefix so far, and why no mode could be committed after it.
-    Part(Option<ProductRef>, Conflict),
+    /// The prefixes so far, shortest first, and why no mode could be committed after the last.
+    Part(Vec<ProductRef>, Conflict),
 }

@@ -9,6 +9,9 @@ use crate::candidate::{Candidate, Found, Modes};
 use crate::conflict::{Choice, Conflict, Stuck};
 use crate::search::Search;
 
+/// Other ways to do a pair that are looked at before an ordering is added.
+const DETOURS: u32 = 12;
+
 /// A possible pose that is in every way of a mode.
 pub(crate) struct Obstructed {
     mode: Mode,
@@ -22,6 +25,28 @@ impl Candidate<'_> {
         answers
             .filter_map(|(answer, mode)| Some(Obstructed { mode: *mode, occupancy: *answer.in_the_way.first()? }))
             .find(|obstructed| !self.branches(obstructed).is_empty())
+    }
+
+    /// Least commitment: a few other ways to do the pair are looked at before an ordering is added. Whether the pair is now
+    /// done in another way.
+    pub(crate) fn detour(&mut self, search: &mut Search<'_>, obstructed: &Obstructed) -> bool {
+        let Some(pair) = obstructed.mode.pair else { return false };
+        let (choice, detour) = (&mut self.choices[pair.index()], &mut self.detours[pair.index()]);
+        if detour.steps == 0 {
+            detour.from = choice.position();
+        }
+        match detour.steps {
+            DETOURS => return false,
+            steps if steps + 1 < DETOURS && choice.step() => detour.steps += 1,
+            _ => {
+                detour.steps = DETOURS;
+                choice.take_back(detour.from);
+            }
+        }
+        if let Some(index) = choice.chosen().map(|chosen| chosen.index) {
+            search.commit(LedgerEntry::Decided(Decision::Alternative { pair, index }));
+        }
+        true
     }
 
     /// Tries both orderings of an obstruction, each as a branch that is taken back if nothing comes of it.

@@ -1,5 +1,7 @@
 //! All that the search may know of the outside.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Job, JobId, Outcome, StageKind};
 
 /// How the search asks.
@@ -39,7 +41,7 @@ impl Foresight {
 }
 
 /// Why asking failed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 pub enum AskFault {
     /// The run's limit on time was reached.
     #[error("the time limit was reached")]

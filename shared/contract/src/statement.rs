@@ -54,8 +54,19 @@ impl ProblemStatement {
     /// A statement with this program's own stages.
     #[must_use]
     pub fn new(problem: Problem, seed: u64, composite: CompositeMethod) -> Self {
-        let own = |stage: StageKind| (stage, format!("mrtamp-{stage}/{}", env!("CARGO_PKG_VERSION")));
-        Self { problem, seed, composite, options: SearchOptions::default(), implementations: StageKind::ALL.into_iter().map(own).collect() }
+        Self {
+            problem,
+            seed,
+            composite,
+            options: SearchOptions::default(),
+            implementations: StageKind::ALL.map(|stage| (stage, Self::own_implementation(stage))).into(),
+        }
+    }
+
+    /// What this program's own worker of a stage says it is.
+    #[must_use]
+    pub fn own_implementation(stage: StageKind) -> String {
+        format!("mrtamp-{stage}/{}", env!("CARGO_PKG_VERSION"))
     }
 
     /// Implementation of a stage; empty if none has said Hello.

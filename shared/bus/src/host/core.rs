@@ -47,6 +47,8 @@ pub enum Note {
         failed: bool,
         /// Work units spent.
         work: u64,
+        /// From the worker's beginning to its answer, as seen from here.
+        took: Duration,
     },
     /// The search committed an entry.
     Committed(LedgerEntry),
@@ -90,7 +92,7 @@ struct Member {
     expected: Expected,
     hello: Option<Hello>,
     heard: Duration,
-    started: Option<JobId>,
+    started: Option<(JobId, Duration)>,
 }
 
 /// State of the supervisor's side.
@@ -147,12 +149,10 @@ impl HostCore {
         member.heard = now;
         match message {
             Message::Hello(hello) => self.greet(now, sender, hello),
-            Message::Started => member.started = job,
+            Message::Started => member.started = job.map(|job| (job, now)),
             Message::Outcome(_) | Message::Declined(_) => {
-                if member.started == job {
-                    member.started = None;
-                }
-                self.keep(topic, job, message);
+                let begun = member.started.take_if(|(started, _)| Some(*started) == job).map_or(now, |(_, begun)| begun);
+                self.keep(topic, job, message, now.saturating_sub(begun));
             }
             Message::Product(bytes) => self.store.keep_product(bytes),
             Message::Want(want) => self.serve(now, &want),
@@ -165,21 +165,21 @@ impl HostCore {
     /// What a member that is gone has left behind still counts; nobody else is known.
     fn hear_stranger(&mut self, topic: Topic, job: Option<JobId>, message: Message) {
         match message {
-            Message::Outcome(_) => self.keep(topic, job, message),
+            Message::Outcome(_) => self.keep(topic, job, message, Duration::ZERO),
             Message::Product(bytes) => self.store.keep_product(bytes),
             Message::Gone(_) => {}
             _ => self.garbage.count(Garbage::Claim),
         }
     }
 
-    fn keep(&mut self, topic: Topic, job: Option<JobId>, message: Message) {
+    fn keep(&mut self, topic: Topic, job: Option<JobId>, message: Message, took: Duration) {
         let (Topic::Outcome(stage), Some(job), Message::Outcome(outcome)) = (topic, job, message) else { return };
         let (failed, work) = (outcome.result.is_err(), outcome.work);
         let known = self.store.outcome_count();
         if !self.store.keep_outcome(job, *outcome) {
             self.fault.get_or_insert(HostFault::Nondeterministic { stage, job });
         } else if self.store.outcome_count() > known {
-            self.notes.push(Note::Answered { stage, job, failed, work });
+            self.notes.push(Note::Answered { stage, job, failed, work, took });
         }
     }
 
@@ -301,7 +301,7 @@ impl HostCore {
     /// A member has gone. `returns`: another one will be started in its place.
     pub fn lose(&mut self, member: MemberId, returns: bool) {
         let Some(lost) = self.members.remove(&member) else { return };
-        let died_on = lost.started.map(|job| {
+        let died_on = lost.started.map(|(job, _)| {
             let deaths = self.deaths.entry(job).or_insert(0);
             *deaths += 1;
             (job, *deaths)

@@ -20,8 +20,6 @@ const DELAYS: [usize; 4] = [0, 4, 12, 32];
 const LEADERS: usize = 3;
 /// What an edge costs a leader on which it would meet a robot that stands now (s): so far it goes round.
 const STANDING_S: f64 = 4.0;
-/// Places in vertices and steps looked at for one work unit.
-
 impl<V: CompositeValidity> Search<'_, V> {
     /// Tries connections from a node in a fixed order until one leads to an event or to the end.
     pub fn connect_in_turn(&mut self, node: NodeId, meter: &mut Meter<'_, '_>) -> Result<(), Interrupted> {

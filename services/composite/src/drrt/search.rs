@@ -24,7 +24,8 @@ const CONNECT_EVERY: u64 = 10;
 const NEAR: usize = 64;
 /// Composite edges checked for that.
 const NEAR_CHECKS: usize = 8;
-/// After the first solution the search goes on for half as many iterations, but no more than this.
+/// After the first solution the search goes on for half as many iterations, within these bounds.
+const LEAST_EXTRA: u64 = 64;
 const MOST_EXTRA: u64 = 256;
 
 /// A search and all it has found.
@@ -77,7 +78,7 @@ impl<'a, V: CompositeValidity> Search<'a, V> {
                 self.connect_in_turn(node, meter)?;
             }
             if self.solution.is_some() && last == u64::MAX {
-                last = iteration + (iteration / 2).min(MOST_EXTRA);
+                last = iteration + (iteration / 2).clamp(LEAST_EXTRA, MOST_EXTRA);
             }
             if iteration >= last || !meter.spend(1)? {
                 return Ok(());

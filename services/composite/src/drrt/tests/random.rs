@@ -170,7 +170,22 @@ fn by_chance(toy: &Toy, budget: u64) -> (bool, u64) {
         search.run(&mut meter).unwrap();
         meter.spent()
     });
+    if let Some(solution) = search.solution {
+        check_cost(&mut search, solution);
+    }
     (search.solution.is_some(), spent)
+}
+
+/// However often the tree was rewired, a node's cost is the time of the way to it.
+fn check_cost(search: &mut Search<'_, Table>, node: usize) {
+    let mut state = search.tree.get(0).state.clone();
+    let mut time_s = 0.0;
+    for acts in search.tree.path_to(node) {
+        let step = search.rules.checked_step(&state, &acts).unwrap();
+        (state, time_s) = (step.to, time_s + step.duration_s);
+    }
+    assert_eq!(state, search.tree.get(node).state);
+    assert!((time_s - search.tree.get(node).cost_s).abs() < 1e-9);
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn solved(toy: &Toy) -> Vec<Commitment> {
 fn refused(toy: &Toy) -> FailureReport {
     match toy.solve(200_000) {
         Ok(commitments) => panic!("solved: {commitments:?}"),
-        Err(report) => report,
+        Err(report) => *report,
     }
 }
 
@@ -151,13 +151,14 @@ fn an_object_that_never_leaves_the_only_way_is_named() {
 
 #[test]
 fn nothing_is_placed_on_a_robot() {
-    // Robot 0 lives at 1, where the object is to stand. It has to make way, and can come back after its own robot took it.
-    let mut scene = places(path(4), &[1, 2], &[(1, 0, 2, 3), (1, 0, 3, 2), (0, 1, 0, 0)]);
+    // Robot 0 waits at 1, where its work is, for the very release that would put object 0 on it.
+    let mut scene = places(path(4), &[1, 2], &[(1, 0, 2, 3), (1, 0, 3, 2), (0, 1, 1, 0)]);
     scene.blocks = vec![(occupancy(0, 1), 1)];
+    scene.orders = vec![((1, Point::Release), (0, Point::Grasp))];
     let commitments = solved(&scene.toy(0));
     let released = event_s(&commitments, 1, 1);
-    let moves = commitments.iter().filter(|c| c.mode.robot.index() == 0).flat_map(|c| &c.moves);
-    let there = moves.filter(|m| m.begins_s <= released && released < m.ends_s).last().unwrap();
+    let mut moves = commitments.iter().filter(|c| c.mode.robot.index() == 0).flat_map(|c| &c.moves);
+    let there = moves.find(|m| m.begins_s <= released && released < m.ends_s).unwrap();
     assert_eq!(place(&there.to), 0);
 }
 

@@ -262,7 +262,7 @@ impl Places {
             let known = vertices.iter().position(|v| *v == q);
             known.unwrap_or_else(|| {
                 vertices.push(q);
-                edges.push(edge(place, vertices.len() - 1, EdgeKind::Arm, ARM_S, Vec::new()));
+                edges.push(edge(place, vertices.len() - 1, EdgeKind::Arm, ARM_S, blockers(&[place])));
                 vertices.len() - 1
             })
         };
@@ -294,8 +294,8 @@ impl Toy {
     }
 
     /// Searches from the beginning.
-    pub fn solve(&self, budget: u64) -> Result<Vec<Commitment>, FailureReport> {
-        self.solve_after(&[], budget).0.unwrap()
+    pub fn solve(&self, budget: u64) -> Result<Vec<Commitment>, Box<FailureReport>> {
+        self.solve_after(&[], budget).0.unwrap().map_err(Box::new)
     }
 }
 

@@ -176,6 +176,9 @@ impl<'a> Candidate<'a> {
     /// (conflict-directed backjumping, Prosser, doi:10.1111/j.1467-8640.1993.tb00310.x).
     pub(crate) fn revise(&mut self, search: &mut Search<'_>, mut conflict: Conflict) -> Result<(), Stuck> {
         while let Some(pair) = self.pair_to_revise(&conflict) {
+            if self.leaves_detour(search, pair) {
+                return Ok(());
+            }
             conflict.choices.remove(&Choice::Alternative(pair));
             let because = conflict.first_cause();
             if let Some(given_up) = self.choices[pair.index()].chosen() {

@@ -1,7 +1,7 @@
 //! Orderings that a mode's roadmap forces: a pose that is in every way must come later or be gone before.
 
 use contract::{Decision, DiscoveredOrder, LedgerEntry, StageKind};
-use model::Point;
+use model::{PairId, Point};
 use plan::{BodyRef, Cause};
 use skeleton::{ArcOrigin, Event, Interval, Mode, ModeKind, Occupancy, Presence};
 
@@ -31,22 +31,38 @@ impl Candidate<'_> {
     /// done in another way.
     pub(crate) fn detour(&mut self, search: &mut Search<'_>, obstructed: &Obstructed) -> bool {
         let Some(pair) = obstructed.mode.pair else { return false };
-        let (choice, detour) = (&mut self.choices[pair.index()], &mut self.detours[pair.index()]);
+        let detour = &mut self.detours[pair.index()];
         if detour.steps == 0 {
-            detour.from = choice.position();
+            detour.from = self.choices[pair.index()].position();
         }
-        match detour.steps {
-            DETOURS => return false,
-            steps if steps + 1 < DETOURS && choice.step() => detour.steps += 1,
-            _ => {
-                detour.steps = DETOURS;
-                choice.take_back(detour.from);
-            }
+        let goes_on = detour.steps < DETOURS;
+        if goes_on {
+            self.step_aside(search, pair);
+        }
+        goes_on
+    }
+
+    /// A failure on a detour costs the detour, not the alternative from which it began. Whether the pair was on one.
+    pub(crate) fn leaves_detour(&mut self, search: &mut Search<'_>, pair: PairId) -> bool {
+        let on_one = (1..DETOURS).contains(&self.detours[pair.index()].steps);
+        if on_one {
+            self.step_aside(search, pair);
+        }
+        on_one
+    }
+
+    /// The next alternative of a detour; after the last one that from which it began.
+    fn step_aside(&mut self, search: &mut Search<'_>, pair: PairId) {
+        let (choice, detour) = (&mut self.choices[pair.index()], &mut self.detours[pair.index()]);
+        if detour.steps + 1 < DETOURS && choice.step() {
+            detour.steps += 1;
+        } else {
+            detour.steps = DETOURS;
+            choice.take_back(detour.from);
         }
         if let Some(index) = choice.chosen().map(|chosen| chosen.index) {
             search.commit(LedgerEntry::Decided(Decision::Alternative { pair, index }));
         }
-        true
     }
 
     /// Tries both orderings of an obstruction, each as a branch that is taken back if nothing comes of it.

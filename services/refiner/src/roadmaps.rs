@@ -169,7 +169,7 @@ impl Candidate<'_> {
         let base = robot.base.as_ref().map(|_| self.piece(mode.id.robot, holding, PieceSpec::Base));
         let (start, goal) = match (mode.kind, mode.pair) {
             (ModeKind::Transit, Some(pair)) => {
-                (self.empty_start(mode)?, self.empty_end(pair, &self.chosen(pair)?.pick))
+                (self.empty_start(mode)?, self.picking_end(pair)?)
             }
             (ModeKind::Transfer, Some(pair)) => {
                 let chosen = self.chosen(pair)?;
@@ -183,7 +183,10 @@ impl Candidate<'_> {
     /// Where an empty-handed mode begins: at the object just placed, or at the robot's start.
     fn empty_start(&self, mode: &Mode) -> Result<ModeEnd, Stuck> {
         match mode.begins {
-            Some(event) => Ok(self.empty_end(event.pair, &self.chosen(event.pair)?.place)),
+            Some(event) => {
+                let placed = self.skeleton.placed(self.problem, event.pair);
+                Ok(self.empty_end(event.pair, &self.chosen(event.pair)?.place, placed))
+            },
             None => Ok(self.start_end(mode.id.robot)),
         }
     }

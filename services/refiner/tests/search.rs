@@ -16,7 +16,11 @@ use skeleton::ModeId;
 
 /// Two robots hand one object on.
 fn relay() -> ProblemStatement {
-    let path = format!("{}/../../launch/scenes/t03_relay.yaml", env!("CARGO_MANIFEST_DIR"));
+    statement("t03_relay")
+}
+
+fn statement(scene: &str) -> ProblemStatement {
+    let path = format!("{}/../../launch/scenes/{scene}.yaml", env!("CARGO_MANIFEST_DIR"));
     let mut problem = load_problem(&DiskFiles, &path).unwrap();
     problem.levels.highest = 1;
     ProblemStatement::new(problem, 5, CompositeMethod::Prioritised)
@@ -175,6 +179,33 @@ fn a_mode_without_a_way_revises_the_alternative_of_its_pair_and_no_other() {
     assert_eq!(revised, [1, 2].map(|index| Decision::Alternative { pair, index }));
     assert_eq!(stages.count(|request| matches!(request, Request::Placement(_))), 1);
     assert_eq!(stages.count(|request| matches!(request, Request::Transition(_))), 2);
+}
+
+/// The roadmap with grasp 0 is obstructed by the first possible pose, those with other grasps do not connect.
+fn obstructed_or_disconnected(robot: u32) -> Rule {
+    Box::new(move |request| match request {
+        Request::Mode(job) if job.mode.robot.0 == robot && !job.possible.is_empty() => match job.holding {
+            Some(holding) if holding.grasp.0 > 0 => Some(fails(no_path("x"), Soundness::Soft { level: 0 })),
+            Some(_) => {
+                let digest = Digest::of("test", &[&contract::encode_canonical(job)]);
+                let roadmap = ProductRef { digest, made_by: JobId(digest) };
+                Some(Outcome::answer(Answer::Mode { roadmap, shortest_s: 1.0, in_the_way: vec![0] }, 1))
+            }
+            None => None,
+        },
+        _ => None,
+    })
+}
+
+#[test]
+fn a_detour_on_which_nothing_connects_ends_where_it_began_and_the_ordering_is_added() {
+    let statement = statement("t05_tiny_region");
+    let mut stages = Scripted::new(&statement, vec![obstructed_or_disconnected(0)]);
+    let run = stages.run();
+    assert!(matches!(run.end, End::Solved { .. }), "{:?}", run.end);
+    let orders = decisions(&run.ledger).into_iter().filter(|decision| matches!(decision, Decision::Order(_)));
+    assert_eq!(orders.count(), 1);
+    assert_eq!(stages.count(|request| matches!(request, Request::Placement(_))), 1);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Sites: every pose that an object takes, when it is taken, and which sites could be in each other's way.
 
+use crate::bits;
 use model::{ObjectId, PairId, Problem, RegionId};
 use skeleton::{Event, EventGraph, Interval, Occupancy, Skeleton};
 
@@ -92,6 +93,21 @@ impl Layout {
             debug_assert!(added.is_ok(), "a set of orders that is no order");
         }
         graph
+    }
+
+    /// Of the `usable` orders those that could be the first new one on a way that puts one of two sites before the other.
+    pub fn helpful(&self, graph: &EventGraph, (a, b): (usize, usize), usable: &[u64]) -> Vec<u64> {
+        let mut helpful = vec![0; usable.len()];
+        let ways = [(a, b), (b, a)].into_iter().filter_map(|(first, second)| self.order_events(first, second));
+        for (before, after) in ways.filter(|(before, after)| !graph.precedes_or_is(*after, *before)) {
+            for index in bits::indices(usable) {
+                let order = &self.orders[index];
+                if graph.precedes_or_is(before, order.before) && !graph.precedes(after, order.after) {
+                    bits::insert(&mut helpful, index);
+                }
+            }
+        }
+        helpful
     }
 
     /// Whether two sites may be taken at the same time under `graph`.

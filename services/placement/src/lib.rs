@@ -6,29 +6,33 @@
 //!
 //! # Canonical order
 //!
-//! Candidates come by (number of orders added, effort, samples, orders). The effort of sample `i` is the bit length of `i`,
-//! that of a candidate the sum over its hops; equal ones come lexicographically, samples by object and hop, then orders by
-//! their events. Every combination of samples with every irredundant way to order its collisions comes exactly once. So
-//! the problem in which all objects are present is tried first, hops and regions are treated alike, and a nogood only
-//! takes candidates out of the sequence.
+//! Candidates come by number of orders added: the problem in which all objects are present is tried first. Sets of orders
+//! of one size are numbered as they are found and take turns, so that each gives ever more candidates. Under one set of
+//! orders, candidates come by effort, then lexicographically by object and hop; the effort of sample `i` is the bit length
+//! of `i`, that of a candidate the sum over its hops, so hops and regions are treated alike. Every combination of samples
+//! with every irredundant way to order its collisions comes exactly once. The search for the sets of one size is limited;
+//! only where that limit is met may a set come after a larger one.
 
 mod bits;
+mod crowds;
 mod enumeration;
 mod footprint;
-mod layer;
 mod layout;
 mod network;
 mod nogoods;
 #[cfg(test)]
 mod oracle_tests;
+mod order_sets;
 mod ordered;
 mod outline;
 mod proof;
-mod refute;
 mod report;
 mod samples;
 mod sampling;
+mod sequence;
 mod slots;
+mod solutions;
+mod solve;
 mod stage;
 mod world;
 

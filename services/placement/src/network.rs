@@ -69,12 +69,17 @@ impl Network {
         self.banned.push(values);
     }
 
-    /// Pairs of sites within `among` (a set of sites) that must stay apart.
-    pub fn apart_among(&self, among: &[u64]) -> Vec<(usize, usize)> {
-        let inside = bits::indices(among);
-        inside
-            .flat_map(|a| self.links[a].iter().map(move |(b, relation)| (a, *b, *relation)))
-            .filter(|(a, b, relation)| a < b && *relation == Relation::Apart && bits::contains(among, *b))
+    /// Whether values that obey the links are allowed for every single site, and form no banned combination.
+    pub fn admits(&self, values: &[usize]) -> bool {
+        let free = values.iter().enumerate().all(|(site, value)| bits::contains(self.domains.row(site), *value));
+        free && !self.banned.iter().any(|ban| ban.iter().all(|(site, value)| values[*site] == *value))
+    }
+
+    /// Pairs of sites among `sites` (ascending) that must stay apart.
+    pub fn apart_among(&self, sites: &[usize]) -> Vec<(usize, usize)> {
+        let links = sites.iter().flat_map(|a| self.links[*a].iter().map(move |(b, relation)| (*a, *b, *relation)));
+        links
+            .filter(|(a, b, relation)| a < b && *relation == Relation::Apart && sites.binary_search(b).is_ok())
             .map(|(a, b, _)| (a, b))
             .collect()
     }
@@ -107,19 +112,21 @@ impl Network {
         components
     }
 
-    /// Takes from `domains` what the last choice, that of `site`, rules out at sites without a choice. Calls
-    /// `pruned(other, by)` for what it takes. Answers with a site that is left without a value, if there is one.
+    /// Takes from `domains` what the last choice, that of `site`, rules out at sites without a choice, as far as they are
+    /// `among` those that count. Calls `pruned(other, by)` for what it takes. Answers with a site that is left without a
+    /// value, if there is one.
     pub fn propagate(
         &self,
         overlaps: &mut dyn Overlaps,
         domains: &mut BitRows,
         chosen: &[Option<usize>],
         site: usize,
+        among: impl Fn(usize) -> bool,
         mut pruned: impl FnMut(usize, usize),
     ) -> Result<Option<usize>, Stop> {
         let Some(value) = chosen[site] else { return Ok(None) };
         for (other, relation) in &self.links[site] {
-            if chosen[*other].is_some() {
+            if chosen[*other].is_some() || !among(*other) {
                 continue;
             }
             let colliding = overlaps.row(site, value, *other)?;
@@ -137,7 +144,7 @@ impl Network {
                 return Ok(Some(*other));
             }
         }
-        Ok(self.propagate_bans(domains, chosen, site, pruned))
+        Ok(self.propagate_bans(domains, chosen, site, among, pruned))
     }
 
     fn propagate_bans(
@@ -145,12 +152,13 @@ impl Network {
         domains: &mut BitRows,
         chosen: &[Option<usize>],
         site: usize,
+        among: impl Fn(usize) -> bool,
         mut pruned: impl FnMut(usize, usize),
     ) -> Option<usize> {
         for ban in self.banned_of[site].iter().map(|ban| &self.banned[*ban]) {
             let mut open = ban.iter().filter(|(s, value)| chosen[*s] != Some(*value));
             let (Some(&(other, value)), None) = (open.next(), open.next()) else { continue };
-            if chosen[other].is_none() && bits::contains(domains.row(other), value) {
+            if chosen[other].is_none() && among(other) && bits::contains(domains.row(other), value) {
                 bits::remove(domains.row_mut(other), value);
                 ban.iter().filter(|(s, _)| *s != other).for_each(|(s, _)| pruned(other, *s));
                 if bits::count(domains.row(other)) == 0 {

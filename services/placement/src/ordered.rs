@@ -29,6 +29,8 @@ pub(crate) struct Component {
     /// Whether there is none left.
     pub exhausted: bool,
     greatest_effort: u32,
+    /// A solution that came out of turn.
+    preferred: Option<Vec<usize>>,
     chosen: Vec<Option<usize>>,
     path: Vec<Frame>,
 }
@@ -51,11 +53,12 @@ impl Component {
                 None => (low, high, false),
             });
         let (found, chosen, path) = (Vec::new(), vec![None; network.len()], Vec::new());
-        Self { sites, found, level, exhausted: !solvable, greatest_effort, chosen, path }
+        Self { sites, found, level, exhausted: !solvable, greatest_effort, preferred: None, chosen, path }
     }
 
-    /// Searches until the next solution, or to the end of a level. Either `found` grows, or `level`, or it is exhausted.
-    pub fn search(&mut self, network: &Network, overlaps: &mut dyn Overlaps) -> Result<(), Stop> {
+    /// Searches until the next solution, to the end of a level, or for `steps`. Either `found` grows, or `level`, or it is
+    /// exhausted, or there are no steps left.
+    pub fn search(&mut self, network: &Network, steps: &mut u64, overlaps: &mut dyn Overlaps) -> Result<(), Stop> {
         if self.exhausted {
             return Ok(());
         }
@@ -63,6 +66,10 @@ impl Component {
             self.path.push(Frame { domains: network.domains.clone(), next_value: 0, effort: 0 });
         }
         while let Some(depth) = self.path.len().checked_sub(1) {
+            if *steps == 0 {
+                return Ok(());
+            }
+            *steps -= 1;
             if self.step(depth, network, overlaps)? {
                 return Ok(());
             }
@@ -87,13 +94,10 @@ impl Component {
         let spent = frame.effort + effort(value);
         self.chosen[site] = Some(value);
         if depth + 1 == self.sites.len() {
-            if spent == self.level {
-                self.keep_solution(spent);
-            }
-            return Ok(spent == self.level);
+            return Ok(spent == self.level && self.keep_solution(spent));
         }
         let mut domains = frame.domains.clone();
-        let empty = network.propagate(overlaps, &mut domains, &self.chosen, site, |_, _| ())?;
+        let empty = network.propagate(overlaps, &mut domains, &self.chosen, site, |_| true, |_, _| ())?;
         if empty.is_none() && self.level_in_reach(depth + 1, spent, &domains) {
             self.path.push(Frame { domains, next_value: 0, effort: spent });
         }
@@ -110,9 +114,22 @@ impl Component {
         (least..=greatest).contains(&self.level)
     }
 
-    fn keep_solution(&mut self, effort: u32) {
-        let values = self.sites.iter().filter_map(|site| self.chosen[*site]).collect();
+    /// Puts a known solution before those that are not found yet.
+    pub fn prefer(&mut self, values: &[usize]) {
+        let values: Vec<usize> = self.sites.iter().map(|site| values[*site]).collect();
+        let effort = values.iter().map(|value| effort(*value)).sum();
+        self.preferred = Some(values.clone());
         self.found.push(Solution { effort, values });
+    }
+
+    /// Keeps the chosen values as a solution, unless it is the preferred one. `true`: it is kept.
+    fn keep_solution(&mut self, effort: u32) -> bool {
+        let values: Vec<usize> = self.sites.iter().filter_map(|site| self.chosen[*site]).collect();
+        let is_new = self.preferred.as_ref() != Some(&values);
+        if is_new {
+            self.found.push(Solution { effort, values });
+        }
+        is_new
     }
 }
 

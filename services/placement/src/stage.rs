@@ -13,10 +13,10 @@ use model::PairId;
 use plan::Cause;
 use skeleton::Skeleton;
 
-use crate::enumeration::Enumeration;
-use crate::layer::Solved;
+use crate::enumeration::{Enumeration, Solved};
 use crate::network::Stop;
 use crate::nogoods::Nogoods;
+use crate::order_sets::OrderSets;
 use crate::proof::{self, proven};
 use crate::report;
 use crate::samples::{Paid, Samples};
@@ -104,7 +104,7 @@ impl Search<'_> {
         let (problem, layout) = (self.world.problem(), &self.world.layout);
         let nogoods = Nogoods::new(&self.job.nogoods, layout, self.count);
         let free = samples.free.clone();
-        let mut enumeration = Enumeration::new(problem, layout, &free, nogoods);
+        let mut enumeration = Enumeration::new(OrderSets::new(problem, layout, &free, nogoods));
         let mut paid = Paid::new(self.world, samples, context);
         for index in 0..self.job.first.saturating_add(self.job.count) {
             let Some(solved) = enumeration.next(&mut paid)? else {

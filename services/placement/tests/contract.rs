@@ -173,7 +173,7 @@ fn sixteen_hops(region: [f64; 2]) -> Problem {
 
 #[test]
 fn sixteen_hops_of_128_samples_are_placed_with_little_work() {
-    for (region, most_work) in [(WIDE, 60_000), ([0.4, 0.2], 60_000), ([0.3, 0.17], 60_000)] {
+    for (region, most_work) in [(WIDE, 120_000), ([0.4, 0.2], 120_000), ([0.3, 0.17], 120_000)] {
         let problem = sixteen_hops(region);
         let outcome = ask(&stage(&problem, 0), &job(0, 0, 20, vec![])).unwrap();
         let Ok(Answer::Placements(found)) = &outcome.result else { panic!("{region:?}: {outcome:?}") };

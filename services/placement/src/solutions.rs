@@ -1,4 +1,4 @@
-//! Solutions under all sets of orders of one size, merged.
+//! All solutions of one network: those of its components, combined lazily by least total effort.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -6,24 +6,23 @@ use std::collections::BinaryHeap;
 use crate::network::{Network, Overlaps, Stop};
 use crate::ordered::Component;
 
-/// The networks of one layer, each with its set of orders, and a frontier of combinations of component solutions.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Layer {
-    branches: Vec<Branch>,
+/// Steps in search of the first solution in order, after which a known one is taken.
+const PATIENCE: u64 = 20_000;
+
+/// A lazy enumeration of the solutions of a network by (effort, values). Where the first one is hard to find, a known
+/// solution comes before it.
+#[derive(Clone, Debug)]
+pub(crate) struct Solutions {
+    network: Network,
+    components: Vec<Component>,
     frontier: BinaryHeap<Reverse<Combination>>,
     /// The last combination given out; its successors are made only when more is wanted.
     last: Option<Combination>,
+    /// A solution, until the enumeration has begun.
+    known: Option<Vec<usize>>,
 }
 
-/// A solvable network.
-#[derive(Clone, Debug)]
-struct Branch {
-    orders: Vec<usize>,
-    network: Network,
-    components: Vec<Component>,
-}
-
-/// One solution for each component of a branch. Ordered by effort, then values; what is unresolved comes before its like.
+/// One solution for each component. Ordered by effort, then values; what is unresolved comes before its like.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Combination {
     /// Of an unresolved combination, a lower bound.
@@ -31,76 +30,67 @@ struct Combination {
     /// A value for each site; of an unresolved combination, zeros in the raised component.
     values: Vec<usize>,
     resolved: bool,
-    branch: usize,
     /// For each component, which of its solutions.
     picks: Vec<usize>,
     /// The component whose pick was raised last: only it and later ones are raised further, so that none comes twice.
     raised: usize,
 }
 
-/// A solution with its set of orders.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Solved {
-    /// A value for each site.
-    pub values: Vec<usize>,
-    /// Indices of orders, ascending.
-    pub orders: Vec<usize>,
-}
-
-impl Layer {
-    /// Adds a solvable network. Branches must be added in ascending order of their sets of orders.
-    pub fn add(&mut self, orders: Vec<usize>, network: Network, overlaps: &mut dyn Overlaps) -> Result<(), Stop> {
-        let mut components: Vec<Component> =
-            network.components().into_iter().map(|sites| Component::new(&network, sites)).collect();
-        for component in &mut components {
-            while component.found.is_empty() && !component.exhausted {
-                component.search(&network, overlaps)?;
-            }
-        }
-        if components.iter().any(|component| component.found.is_empty()) {
-            return Ok(());
-        }
-        let picks = vec![0; components.len()];
-        let branch = self.branches.len();
-        self.branches.push(Branch { orders, network, components });
-        let (effort, values) = self.branches[branch].combine(&picks);
-        self.frontier.push(Reverse(Combination { effort, values, resolved: true, branch, picks, raised: 0 }));
-        Ok(())
+impl Solutions {
+    /// All solutions of a network of which one is known.
+    pub fn new(network: Network, known: Vec<usize>) -> Self {
+        let components = network.components().into_iter().map(|sites| Component::new(&network, sites)).collect();
+        Self { network, components, frontier: BinaryHeap::new(), last: None, known: Some(known) }
     }
 
-    /// The next solution by (effort, values, set of orders).
-    pub fn next(&mut self, overlaps: &mut dyn Overlaps) -> Result<Option<Solved>, Stop> {
+    /// The next solution: a value for each site.
+    pub fn next(&mut self, overlaps: &mut dyn Overlaps) -> Result<Option<Vec<usize>>, Stop> {
+        if let Some(known) = self.known.take() {
+            self.begin(&known, overlaps)?;
+        }
         if let Some(last) = self.last.take() {
             self.push_successors(&last);
         }
         while let Some(Reverse(combination)) = self.frontier.pop() {
             if combination.resolved {
-                let orders = self.branches[combination.branch].orders.clone();
                 let values = combination.values.clone();
                 self.last = Some(combination);
-                return Ok(Some(Solved { values, orders }));
+                return Ok(Some(values));
             }
-            if let Some(closer) = self.branches[combination.branch].resolve(combination, overlaps)? {
+            if let Some(closer) = self.resolve(combination, overlaps)? {
                 self.frontier.push(Reverse(closer));
             }
         }
         Ok(None)
     }
 
+    fn begin(&mut self, known: &[usize], overlaps: &mut dyn Overlaps) -> Result<(), Stop> {
+        let mut steps = PATIENCE;
+        for component in &mut self.components {
+            while component.found.is_empty() && !component.exhausted && steps > 0 {
+                component.search(&self.network, &mut steps, overlaps)?;
+            }
+            if component.found.is_empty() {
+                component.prefer(known);
+            }
+        }
+        let picks = vec![0; self.components.len()];
+        let (effort, values) = self.combine(&picks);
+        self.frontier.push(Reverse(Combination { effort, values, resolved: true, picks, raised: 0 }));
+        Ok(())
+    }
+
     fn push_successors(&mut self, last: &Combination) {
-        let components = &self.branches[last.branch].components;
-        for raised in last.raised..components.len() {
+        for raised in last.raised..self.components.len() {
             let mut next = last.clone();
             next.picks[raised] += 1;
             next.raised = raised;
             next.resolved = false;
-            components[raised].sites.iter().for_each(|site| next.values[*site] = 0);
+            self.components[raised].sites.iter().for_each(|site| next.values[*site] = 0);
             self.frontier.push(Reverse(next));
         }
     }
-}
 
-impl Branch {
     /// Effort and values of a combination whose solutions have all been found.
     fn combine(&self, picks: &[usize]) -> (u32, Vec<usize>) {
         let mut values = vec![0; self.network.len()];
@@ -117,7 +107,7 @@ impl Branch {
     fn resolve(&mut self, mut at: Combination, overlaps: &mut dyn Overlaps) -> Result<Option<Combination>, Stop> {
         let component = &mut self.components[at.raised];
         if component.found.len() <= at.picks[at.raised] {
-            component.search(&self.network, overlaps)?;
+            component.search(&self.network, &mut { u64::MAX }, overlaps)?;
         }
         let (found, level, exhausted) = (component.found.len(), component.level, component.exhausted);
         if found > at.picks[at.raised] {

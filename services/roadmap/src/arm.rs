@@ -1,13 +1,15 @@
 //! The arm piece at one stand: from the folded arm to an object by way of the hand's short straight way.
 
-use collision::{Geometry, Motion};
+use collision::{Contact, Geometry, Motion};
 use contract::{
     CauseTally, EdgeKind, Interrupted, JobContext, PieceJob, PieceSpec, RandomStream, RoadmapPiece, StageKind,
 };
 use model::{AllowedContacts, Configuration, Robot};
 
+use crate::RoadmapStage;
 use crate::base::folded;
 use crate::connect::straight_edge;
+use crate::retreat::retreat;
 
 /// Greatest length (s, by the velocity limits) of one extension of a tree.
 const EXTENSION_S: f64 = 0.35;
@@ -15,11 +17,11 @@ const EXTENSION_S: f64 = 0.35;
 const TREE_FACTOR: usize = 8;
 
 pub(crate) fn arm_piece(
-    geometry: &Geometry,
-    seed: u64,
+    stage: &RoadmapStage,
     job: &PieceJob,
     context: &mut JobContext<'_>,
 ) -> Result<Result<RoadmapPiece, CauseTally>, Interrupted> {
+    let geometry = &stage.geometry;
     let PieceSpec::Arm { stand, near, lift_up, support, touch } = &job.spec else {
         return Err(Interrupted::Unfit("not an arm piece".to_owned()));
     };
@@ -30,25 +32,38 @@ pub(crate) fn arm_piece(
         return Err(Interrupted::Unfit("configurations of another robot".to_owned()));
     }
     let drive: Configuration = [stand, folded(robot, job.holding.is_some())].concat();
-    let allowed =
-        |step: usize| AllowedContacts { touch: *touch, support: support.filter(|_| step < *lift_up as usize) };
+    let allowed = |step: usize| AllowedContacts {
+        touch: touch.map(|standing| standing.object),
+        support: support.filter(|_| step < *lift_up as usize),
+    };
     let mut causes = CauseTally::default();
     for (step, ends) in near.windows(2).enumerate() {
         context.spend(1)?;
-        if let Some(contact) = geometry.motion_contact(&motion(job, &ends[0], &ends[1], allowed(step))) {
+        if let Some(contact) = contact(geometry, job, &ends[0], &ends[1], allowed(step)) {
             causes.count(contact.cause(problem));
             return Ok(Err(causes));
         }
     }
-    let far = &near[near.len() - 1];
-    let Some(way) = ArmWay { geometry, robot, job, seed }.find(far, &drive, context, &mut causes)? else {
+    let Some(way) = (ArmWay { stage, geometry, robot, job }).find(near, &drive, context, &mut causes)? else {
         return Ok(Err(causes));
     };
     Ok(Ok(piece_of(robot, job, near, &way, &allowed)))
 }
 
-fn motion(job: &PieceJob, from: &[f64], to: &[f64], allowed: AllowedContacts) -> Motion {
-    Motion { robot: job.robot, holding: job.holding, from: from.to_vec(), to: to.to_vec(), allowed }
+/// What a motion of the piece's robot touches: itself, fixed objects, the object at hand.
+pub(crate) fn contact(
+    geometry: &Geometry,
+    job: &PieceJob,
+    from: &[f64],
+    to: &[f64],
+    allowed: AllowedContacts,
+) -> Option<Contact> {
+    let motion = Motion { robot: job.robot, holding: job.holding, from: from.to_vec(), to: to.to_vec(), allowed };
+    let at_hand = match &job.spec {
+        PieceSpec::Arm { touch, .. } => touch.as_ref(),
+        PieceSpec::Base => None,
+    };
+    geometry.motion_contact(&motion).or_else(|| at_hand.and_then(|standing| geometry.motion_hits(&motion, standing)))
 }
 
 /// `way` leads from the end of `near` to the drive configuration.
@@ -79,10 +94,10 @@ fn piece_of(
 
 /// Free motion of the arm while the base stands. Kuffner and LaValle, RRT-Connect, doi:10.1109/ROBOT.2000.844730.
 struct ArmWay<'a> {
+    stage: &'a RoadmapStage,
     geometry: &'a Geometry,
     robot: &'a Robot,
     job: &'a PieceJob,
-    seed: u64,
 }
 
 struct Tree(Vec<(Configuration, usize)>);
@@ -100,26 +115,38 @@ impl Tree {
 
 impl ArmWay<'_> {
     fn is_free(&self, from: &[f64], to: &[f64], causes: &mut CauseTally) -> bool {
-        let contact = self.geometry.motion_contact(&motion(self.job, from, to, AllowedContacts::default()));
+        let contact = contact(self.geometry, self.job, from, to, AllowedContacts::default());
         if let Some(contact) = contact {
             causes.count(contact.cause(self.geometry.problem()));
         }
         contact.is_none()
     }
 
+    /// A way from the last of `near` to `to`: straight in configuration space; or first further along the hand's straight
+    /// way; or by trees.
     fn find(
         &self,
-        from: &Configuration,
+        near: &[Configuration],
         to: &Configuration,
         context: &mut JobContext<'_>,
         causes: &mut CauseTally,
     ) -> Result<Option<Vec<Configuration>>, Interrupted> {
+        let from = &near[near.len() - 1];
         if self.is_free(from, to, causes) {
             return Ok(Some(vec![from.clone(), to.clone()]));
         }
-        let random = RandomStream::new(self.seed, StageKind::Roadmap, &[&self.robot.name], "arm");
+        let solver = &self.stage.solvers[self.job.robot.index()];
+        let straight = retreat(self.geometry, solver, self.job, near, context)?;
+        for (last, q) in straight.iter().enumerate().skip(1) {
+            if self.is_free(q, to, causes) {
+                let way = straight[..=last].iter().chain([to]).cloned().collect();
+                return Ok(Some(self.shortened(way, causes)));
+            }
+        }
+        let random = RandomStream::new(self.stage.seed, StageKind::Roadmap, &[&self.robot.name], "arm");
         let limit = (self.geometry.problem().levels.vertices as usize * TREE_FACTOR) << self.job.level.min(16);
-        let (mut grown, mut other) = (Tree(vec![(from.clone(), 0)]), Tree(vec![(to.clone(), 0)]));
+        let chain = straight.iter().enumerate().map(|(i, q)| (q.clone(), i.saturating_sub(1)));
+        let (mut grown, mut other) = (Tree(chain.collect()), Tree(vec![(to.clone(), 0)]));
         for index in 0..limit as u64 {
             if grown.0.len() + other.0.len() > limit || !context.spend(1)? {
                 break;

@@ -9,6 +9,7 @@ mod base;
 mod connect;
 mod glue;
 mod graph;
+mod retreat;
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -18,10 +19,12 @@ use contract::{
     Answer, Interrupted, Job, JobContext, ModeJob, Outcome, PieceJob, PieceSpec, ProblemStatement, Product, Request,
     Stage,
 };
+use kinematics::ArmSolver;
 
 /// The roadmap stage.
 pub struct RoadmapStage {
     geometry: Geometry,
+    solvers: Vec<ArmSolver>,
     seed: u64,
     /// Blocked or free, by motion: a memo of continuous tests against fixed objects.
     free: Mutex<BTreeMap<Vec<u8>, bool>>,
@@ -33,13 +36,15 @@ impl RoadmapStage {
     /// # Errors
     /// When a shape of the problem is degenerate.
     pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
-        Ok(Self { geometry: Geometry::new(&statement.problem)?, seed: statement.seed, free: Mutex::default() })
+        let geometry = Geometry::new(&statement.problem)?;
+        let solvers = statement.problem.robots.iter().map(ArmSolver::for_robot).collect();
+        Ok(Self { geometry, solvers, seed: statement.seed, free: Mutex::default() })
     }
 
     fn piece(&self, job: &PieceJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
         let made = match &job.spec {
             PieceSpec::Base => base::base_piece(&self.geometry, self.seed, job, context)?,
-            PieceSpec::Arm { .. } => arm::arm_piece(&self.geometry, self.seed, job, context)?,
+            PieceSpec::Arm { .. } => arm::arm_piece(self, job, context)?,
         };
         match made {
             Ok(piece) => {

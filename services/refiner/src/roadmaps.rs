@@ -153,10 +153,8 @@ impl Candidate<'_> {
     fn pair_of_piece(&self, mode: &Mode, piece: &Job) -> PairId {
         let own = self.own_pair(mode);
         let previous = mode.begins.map(|event| event.pair);
-        let at_previous = previous.is_some_and(|pair| {
-            let released = self.chosen(pair).ok().map(|chosen| self.arm_job_empty(pair, &chosen.place));
-            released.as_ref() == Some(piece)
-        });
+        let at_previous = previous
+            .is_some_and(|pair| self.releasing_end(pair).is_ok_and(|released| released.arm.as_ref() == Some(piece)));
         if at_previous { previous.unwrap_or(own) } else { own }
     }
 
@@ -168,9 +166,7 @@ impl Candidate<'_> {
         };
         let base = robot.base.as_ref().map(|_| self.piece(mode.id.robot, holding, PieceSpec::Base));
         let (start, goal) = match (mode.kind, mode.pair) {
-            (ModeKind::Transit, Some(pair)) => {
-                (self.empty_start(mode)?, self.picking_end(pair)?)
-            }
+            (ModeKind::Transit, Some(pair)) => (self.empty_start(mode)?, self.picking_end(pair)?),
             (ModeKind::Transfer, Some(pair)) => {
                 let chosen = self.chosen(pair)?;
                 (self.holding_end(pair, chosen, &chosen.pick), self.holding_end(pair, chosen, &chosen.place))
@@ -183,10 +179,7 @@ impl Candidate<'_> {
     /// Where an empty-handed mode begins: at the object just placed, or at the robot's start.
     fn empty_start(&self, mode: &Mode) -> Result<ModeEnd, Stuck> {
         match mode.begins {
-            Some(event) => {
-                let placed = self.skeleton.placed(self.problem, event.pair);
-                Ok(self.empty_end(event.pair, &self.chosen(event.pair)?.place, placed))
-            },
+            Some(event) => self.releasing_end(event.pair),
             None => Ok(self.start_end(mode.id.robot)),
         }
     }
@@ -217,20 +210,25 @@ impl Candidate<'_> {
         }
     }
 
-    fn empty_end(&self, pair: PairId, reach: &Reach) -> ModeEnd {
-        ModeEnd { q: reach.at_object.clone(), arm: Some(self.arm_job_empty(pair, reach)) }
+    /// Empty-handed at the object that a pair is about to grasp.
+    fn picking_end(&self, pair: PairId) -> Result<ModeEnd, Stuck> {
+        Ok(self.empty_end(pair, &self.chosen(pair)?.pick, self.skeleton.picked(self.problem, pair)))
     }
 
-    fn arm_job_empty(&self, pair: PairId, reach: &Reach) -> Job {
-        let pair = self.problem.pair(pair);
+    /// Empty-handed at the object that a pair has just released.
+    fn releasing_end(&self, pair: PairId) -> Result<ModeEnd, Stuck> {
+        Ok(self.empty_end(pair, &self.chosen(pair)?.place, self.skeleton.placed(self.problem, pair)))
+    }
+
+    fn empty_end(&self, pair: PairId, reach: &Reach, object: Occupancy) -> ModeEnd {
         let spec = PieceSpec::Arm {
             stand: reach.stand.clone(),
             near: reach.approach.clone(),
             lift_up: 0,
             support: None,
-            touch: Some(pair.object),
+            touch: Some(self.standing(object)),
         };
-        self.piece(pair.robot, None, spec)
+        ModeEnd { q: reach.at_object.clone(), arm: Some(self.piece(self.problem.pair(pair).robot, None, spec)) }
     }
 
     fn holding_end(&self, pair: PairId, chosen: &Alternative, reach: &Reach) -> ModeEnd {

@@ -108,8 +108,9 @@ pub enum PieceSpec {
         lift_up: u32,
         /// What the object stands on.
         support: Option<model::FixedId>,
-        /// Standing object that the hand may touch on `near` (empty-handed).
-        touch: Option<model::ObjectId>,
+        /// The object just released or about to be grasped, where it stands (empty-handed): the hand may touch it on
+        /// `near`; otherwise it is an obstacle.
+        touch: Option<Standing>,
     },
 }
 

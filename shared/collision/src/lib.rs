@@ -12,6 +12,7 @@ mod hull;
 mod motion;
 mod mover;
 mod obstacle;
+mod own_links;
 mod robot_shape;
 mod separation;
 mod solid;

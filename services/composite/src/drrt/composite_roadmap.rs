@@ -201,6 +201,14 @@ impl<'a> CompositeRoadmap<'a> {
         }
     }
 
+    /// Takes all freedom from a robot that has ended its last phase for good.
+    pub fn pin(&mut self, robot: usize) {
+        if let Some(last) = self.robots[robot].phases.last_mut() {
+            let goal = last.goal.index();
+            last.usable.iter_mut().enumerate().for_each(|(v, usable)| *usable = v == goal);
+        }
+    }
+
     /// Upper bound on the number of composite vertices of all modes.
     pub fn size(&self) -> f64 {
         let vertices = |robot: &RobotRoadmap<'_>| {

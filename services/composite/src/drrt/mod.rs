@@ -85,8 +85,10 @@ pub fn drrt_with<V: CompositeValidity>(
     context: &mut JobContext<'_>,
 ) -> Result<Result<Vec<Commitment>, FailureReport>, Interrupted> {
     let problem = &statement.problem;
-    let roadmap = CompositeRoadmap::new(problem, skeleton, roadmaps)?;
+    let mut roadmap = CompositeRoadmap::new(problem, skeleton, roadmaps)?;
     let start = Start::after(done, &roadmap)?;
+    let finished = start.robots.iter().enumerate().filter(|(_, robot)| robot.is_done);
+    finished.for_each(|(robot, _)| roadmap.pin(robot));
     let names: Vec<&str> = problem.robots.iter().map(|robot| robot.name.as_str()).collect();
     let random = RandomStream::new(statement.seed, StageKind::Composite, &names, "drrt");
     let is_small = roadmap.size() <= SMALL;

@@ -2,6 +2,8 @@
 
 use contract::{Commitment, Interrupted, Move};
 
+use plan::Cause;
+
 use super::stepper::replay;
 use super::toy::{Places, Toy};
 
@@ -33,7 +35,7 @@ fn solved_after(toy: &Toy, done: &[Commitment]) -> Vec<Commitment> {
 }
 
 #[test]
-fn the_search_goes_on_from_every_prefix_in_which_no_robot_is_done() {
+fn the_search_goes_on_from_every_prefix_once_both_robots_have_begun() {
     let mut cuts = 0;
     for seed in 0..6 {
         let toy = scene().toy(seed);
@@ -61,6 +63,32 @@ fn a_prefix_with_all_modes_needs_nothing_more() {
     let toy = scene().toy(0);
     let all = solved_after(&toy, &[]);
     assert_eq!(solved_after(&toy, &all), []);
+}
+
+#[test]
+fn a_robot_whose_return_is_committed_never_moves_again() {
+    // Robot 0 is done and stands between robot 1 and its work; aside of it there is room.
+    let edges = vec![(0, 1, 1.0), (1, 2, 1.0), (1, 3, 1.0)];
+    let tasks = vec![(0, 0, 1, 1), (1, 1, 2, 0)];
+    let scene = Places { edges, tasks, objects: 2, starts: vec![1, 0], ..scene() };
+    let toy = scene.toy(0);
+    let all = solved_after(&toy, &[]);
+    let mut done: Vec<Commitment> = all.iter().filter(|c| c.mode.robot.index() == 0).cloned().collect();
+    // As if robot 0 had been quick and had not had to move aside.
+    for (i, c) in done.iter_mut().enumerate() {
+        let (begins_s, ends_s) = (i as f64 * 2.0, (i + 1) as f64 * 2.0);
+        let standing =
+            Move { from: c.moves[0].from.clone(), to: c.moves[0].from.clone(), begins_s, ends_s, ..c.moves[0].clone() };
+        (c.moves, c.event_s) = (vec![standing], ends_s);
+    }
+    let at_goal = |c: &mut Commitment, arm: f64| c.moves[0].to[3] = arm;
+    done[..2].iter_mut().for_each(|c| at_goal(c, 1.0));
+    done[2].moves[0].from[3] = 1.0;
+    at_goal(&mut done[2], 0.0);
+    let report = toy.solve_after(&done, 50_000).0.unwrap().unwrap_err();
+    let robots = vec!["r0".to_owned(), "r1".to_owned()];
+    assert!(report.causes.iter().any(|(cause, _)| *cause == Cause::Deadlock { robots: robots.clone() }), "{report:?}");
+    assert!(!report.causes.iter().any(|(cause, _)| matches!(cause, Cause::Budget { .. })), "{report:?}");
 }
 
 #[test]

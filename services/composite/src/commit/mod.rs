@@ -220,7 +220,7 @@ impl CommitJob<'_> {
         Err(Unreached::Because(self.causes(mode, &in_the_way)))
     }
 
-    /// The traffic after the mode's event.
+    /// The traffic after the mode's event. An object that is grasped need not be taken out: who holds it does not hit it.
     fn traffic_after<'a>(
         &'a self,
         mode: &Mode,
@@ -228,10 +228,8 @@ impl CommitJob<'_> {
         event_s: f64,
     ) -> Result<Traffic<'a>, Interrupted> {
         let mut traffic = Traffic::new(&self.scene.conflicts, timeline, mode.id.robot, event_s);
-        match (self.placed(mode)?, mode.pair) {
-            (Some(placed), _) => traffic.put(placed, event_s),
-            (None, Some(pair)) => traffic.take(self.scene.problem().pair(pair).object, event_s),
-            (None, None) => {}
+        if let Some(placed) = self.placed(mode)? {
+            traffic.put(placed, event_s);
         }
         Ok(traffic)
     }

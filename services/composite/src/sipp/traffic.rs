@@ -78,13 +78,6 @@ impl<'a> Traffic<'a> {
         }
     }
 
-    /// The object is taken from where it stands.
-    pub fn take(&mut self, object: ObjectId, time_s: f64) {
-        for standing in self.standings.iter_mut().filter(|standing| standing.standing.object == object) {
-            standing.until_s = standing.until_s.min(time_s);
-        }
-    }
-
     /// The object is put somewhere.
     pub fn put(&mut self, standing: Standing, time_s: f64) {
         self.standings.push(TimedStanding { standing, from_s: time_s, until_s: f64::INFINITY });

@@ -157,3 +157,43 @@ fn an_execution_without_delay_is_the_plan() {
         }
     }
 }
+
+#[test]
+fn no_arc_of_a_plan_follows_from_the_others() {
+    let mut arcs = 0;
+    for seed in 0..12 {
+        let mut dice = Dice(seed * 4099 + 21);
+        let toy = random_world(&mut dice, 8, 4, 3, 1).build();
+        let (prefix, _) = toy.commit_all(|_| ());
+        let Some(prefix) = prefix.filter(|prefix| toy.is_complete(Some(*prefix))) else { continue };
+        let plan = toy.assemble(prefix);
+        for arc in &plan.dependencies {
+            assert!(!follows(&plan, arc), "seed {seed}: {arc:?}");
+            arcs += 1;
+        }
+    }
+    assert!(arcs > 60, "{arcs} arcs");
+}
+
+/// Whether leaving `arc.after` comes after reaching `arc.before` by the other arcs alone.
+fn follows(plan: &Plan, arc: &Dependency) -> bool {
+    let mut reached: Vec<(String, usize)> = vec![(arc.before.robot.clone(), arc.before.knot)];
+    let mut next = 0;
+    while let Some((robot, knot)) = reached.get(next).cloned() {
+        next += 1;
+        if robot == arc.after.robot && knot <= arc.after.knot {
+            return true;
+        }
+        // Whoever may leave a knot only now reaches the one after it only then.
+        let later = plan
+            .dependencies
+            .iter()
+            .filter(|other| *other != arc && other.before.robot == robot && other.before.knot >= knot);
+        for other in later.map(|other| (other.after.robot.clone(), other.after.knot + 1)) {
+            if !reached.contains(&other) {
+                reached.push(other);
+            }
+        }
+    }
+    false
+}

@@ -1,10 +1,11 @@
 //! Orderings between points of pairs are kept, whichever points they name.
 
+use contract::{Move, ProductRef};
 use model::{GivenOrdering, PairId, Point};
 use plan::{EventKind, Plan, RobotTrajectory, SegmentKind};
 
 use crate::oracle::assert_free;
-use crate::toys::{Errand, Toy, World, pair};
+use crate::toys::{Errand, Toy, World, mode, pair};
 
 /// Two robots with two errands each, far enough apart to be independent.
 fn two_robots(arms: bool, grip_time: f64) -> World {
@@ -107,19 +108,49 @@ fn orderings_of_grasps_and_releases_are_kept_by_robots_without_arms() {
 #[test]
 fn what_others_count_on_in_a_tail_is_kept_by_the_next_commitment() {
     let mut world = two_robots(true, 0.5);
+    world.objects[1] = 6;
+    world.errands[1].from = 6;
     let (before, after) = ((pair(0), Point::Done), (pair(2), Point::Grasp));
     world.orderings = vec![GivenOrdering { before, after }];
     let toy = world.build();
-    let mut prefix = None;
-    for mode in [(0, 0), (0, 1), (1, 0)] {
-        prefix = Some(toy.commit(prefix, crate::toys::mode(mode.0, mode.1)).unwrap().0);
-    }
-    // `done` is known from the tail only; the next commitment must fold the arm as early.
+    // From where robot 1 places it can also go straight to where it picks next, its hand down all the way.
+    let shortcut = |roadmap: &mut contract::ModeRoadmap| {
+        if roadmap.mode == mode(0, 2) {
+            let (a, b, allowed) = (roadmap.start, roadmap.goal, Default::default());
+            let kind = contract::EdgeKind::Base;
+            roadmap.edges.push(contract::Edge { a, b, kind, allowed, duration_s: 0.7, blockers: vec![] });
+        }
+    };
+    let commit = |prefix, mode| {
+        let outcome = toy.ask(&toy.commit_job(prefix, mode, shortcut)).unwrap();
+        let Ok(contract::Answer::Committed { prefix, .. }) = outcome.result else { panic!("{outcome:?}") };
+        Some(prefix)
+    };
+    let prefix = commit(commit(None, mode(0, 0)), mode(0, 1));
     let tail = toy.commitments(prefix.unwrap())[1].tail.clone();
-    let (prefix, _) = toy.commit(prefix, crate::toys::mode(0, 2)).unwrap();
-    let moves = &toy.commitments(prefix).last().unwrap().moves.clone();
-    let folded_s = |moves: &[contract::Move]| moves.iter().find(|m| m.from[3] != 0.0 && m.to[3] == 0.0).unwrap().ends_s;
-    assert_eq!(folded_s(moves), folded_s(&tail));
+    let moves = |prefix: Option<ProductRef>| toy.commitments(prefix.unwrap()).last().unwrap().moves.clone();
+    let folded_s =
+        |moves: &[Move]| moves.iter().find(|step| step.from[3] != 0.0 && step.to[3] == 0.0).map(|step| step.ends_s);
+    let alone = commit(prefix, mode(0, 2));
+    assert_eq!(folded_s(&moves(alone)), None, "nobody counts on it, and the hand stays down");
+    let both = commit(commit(prefix, mode(1, 0)), mode(0, 2));
+    assert!(folded_s(&tail).is_some());
+    assert_eq!(folded_s(&moves(both)), folded_s(&tail), "the grasp of r2.1 was committed after `done` of r1.1");
+}
+
+#[test]
+fn a_tail_that_comes_too_early_for_its_own_orderings_is_not_counted_on() {
+    let mut world = two_robots(true, 0.0);
+    world.errands[2].to = 15;
+    let order = |before, after| GivenOrdering { before, after };
+    let (late, done, next) = ((pair(2), Point::Release), (pair(0), Point::Done), (pair(3), Point::Grasp));
+    world.orderings = vec![order(late, done), order(done, next)];
+    let toy = world.build();
+    let (prefix, failures) = toy.commit_all(|commitments| assert_free(&toy, commitments, "early tail"));
+    assert!(toy.is_complete(prefix), "{failures:?}");
+    let plan = toy.assemble(prefix.unwrap());
+    let times = [late, done, next].map(|(pair, point)| time_of(&toy, &plan, pair, point));
+    assert!(times[0] + 1e-9 < times[1] && times[1] + 1e-9 < times[2], "{times:?}");
 }
 
 #[test]

@@ -96,3 +96,92 @@ fn an_object_in_a_corridor_leaves_no_path_and_is_named() {
     let expected = Cause::NoPath { pair: Some("r1.1".into()), robot: "r1".into(), blocking };
     assert_eq!(report.causes[0].0, expected);
 }
+
+/// Commits modes in this order, all of them, on roadmaps edited like this.
+fn commit_in_order(
+    toy: &Toy,
+    modes: &[(usize, u32)],
+    edit: impl Fn(&mut ModeRoadmap) + Copy,
+) -> Vec<contract::Commitment> {
+    let mut prefix = None;
+    for (robot, step) in modes {
+        let outcome = toy.ask(&toy.commit_job(prefix, mode(*robot, *step), edit)).unwrap();
+        let Ok(contract::Answer::Committed { prefix: longer, .. }) = outcome.result else { panic!("{outcome:?}") };
+        prefix = Some(longer);
+    }
+    toy.commitments(prefix.unwrap())
+}
+
+/// Two lines that cross at vertex 2: robot 1's from left to right, robot 2's from top to bottom.
+fn cross(left: f64, top: f64) -> World {
+    let points = vec![[-left, 0.0], [0.7, 0.0], [0.0, 0.0], [0.0, top], [0.0, -0.7], [0.0, -1.4]];
+    World { points, ways: vec![(0, 2), (2, 1), (3, 2), (2, 4), (4, 5)], starts: vec![0, 3], ..World::default() }
+}
+
+#[test]
+fn a_hand_does_not_pause_where_somebody_is_about_to_pass() {
+    // Robot 1 could be at the crossing at 1.4 s, but robot 2 passes at 2.1 s, before the pause is over.
+    let mut world = cross(1.4, 2.1);
+    world.objects = vec![2, 5];
+    world.errands =
+        vec![Errand { robot: 0, object: 0, from: 2, to: 2 }, Errand { robot: 1, object: 1, from: 5, to: 5 }];
+    world.grip_time = 0.5;
+    let toy = world.build();
+    let commitments = commit_in_order(&toy, &[(1, 0), (0, 0)], |_| ());
+    assert!(commitments[1].event_s > 2.5, "{} s", commitments[1].event_s);
+    assert_free(&toy, &commitments, "pause");
+}
+
+#[test]
+fn a_return_waits_until_nobody_will_pass_its_end_any_more() {
+    // Robot 1 starts at the crossing. Robot 2 will pass it while robot 1 is away.
+    let mut world = cross(1.4, 2.1);
+    world.starts = vec![2, 3];
+    world.objects = vec![1, 5];
+    world.errands =
+        vec![Errand { robot: 0, object: 0, from: 1, to: 1 }, Errand { robot: 1, object: 1, from: 5, to: 5 }];
+    let toy = world.build();
+    let aside = |roadmap: &mut ModeRoadmap| {
+        if roadmap.mode.robot.index() == 0 {
+            roadmap.parking = vec![contract::VertexId(1)];
+        }
+    };
+    let commitments = commit_in_order(&toy, &[(0, 0), (0, 1), (1, 0), (1, 1), (1, 2), (0, 2)], aside);
+    assert_free(&toy, &commitments, "return");
+    let back = commitments.last().unwrap();
+    assert!(back.event_s > commitments[4].moves.last().unwrap().begins_s, "returned at {} s", back.event_s);
+}
+
+#[test]
+fn nobody_parks_where_an_object_will_stand() {
+    // Robot 2 puts an object next to where robot 1 would park best.
+    let mut world = cross(0.7, 0.7);
+    world.points.push([-0.35, -0.7]);
+    world.ways.push((5, 6));
+    world.objects = vec![2, 5];
+    world.errands =
+        vec![Errand { robot: 0, object: 0, from: 2, to: 2 }, Errand { robot: 1, object: 1, from: 5, to: 6 }];
+    let toy = world.build();
+    let below = |roadmap: &mut ModeRoadmap| {
+        let parking = if roadmap.mode.robot.index() == 0 { 4 } else { 3 };
+        roadmap.parking = vec![contract::VertexId(parking)];
+    };
+    let commitments = commit_in_order(&toy, &[(1, 0), (1, 1), (0, 0)], below);
+    assert_free(&toy, &commitments, "parking");
+    assert!(commitments[2].tail.last().is_none_or(|last| last.to != vec![0.0, -0.7, 0.0]));
+    let undisturbed = commit_in_order(&toy, &[(0, 0)], below);
+    assert_eq!(undisturbed[0].tail.last().unwrap().to, vec![0.0, -0.7, 0.0]);
+}
+
+#[test]
+fn one_long_drive_is_late_enough_for_all_who_cross_it() {
+    // On time robot 1 would meet robot 3 at 2.8 m; a little later robot 2 at 1.4 m.
+    let points = vec![[0.0, 0.0], [4.2, 0.0], [1.4, 2.4], [1.4, -2.4], [2.8, 2.8], [2.8, -2.8]];
+    let mut world = World { points, ways: vec![(0, 1), (2, 3), (4, 5)], starts: vec![0, 2, 4], ..World::default() };
+    world.objects = vec![1, 3, 5];
+    world.errands = (0..3).map(|r| Errand { robot: r, object: r, from: 2 * r + 1, to: 2 * r + 1 }).collect();
+    let toy = world.build();
+    let commitments = commit_in_order(&toy, &[(1, 0), (2, 0), (0, 0)], |_| ());
+    assert_free(&toy, &commitments, "long drive");
+    assert!(commitments[2].event_s > 4.2 + 1.0, "{} s", commitments[2].event_s);
+}

@@ -17,7 +17,7 @@ pub(crate) const ATTACH_ANGLE: f64 = 0.2 * std::f64::consts::PI / 180.0;
 /// Tolerance where numbers should be copies of one another (m, rad).
 const COPY: f64 = 1e-9;
 /// How far a standing object's z axis may lean (rad).
-const UPRIGHT: f64 = 1e-6;
+pub(crate) const UPRIGHT: f64 = 1e-6;
 
 pub(crate) fn check(script: &Script, timeline: &Timeline, wrong: &mut Vec<Violation>) {
     for hold in &timeline.holds {

@@ -14,13 +14,16 @@ mod dependency;
 mod frame;
 mod goal;
 mod infeasible;
+mod irredundant;
 mod limits;
 mod mechanism;
 mod ordering;
 mod points;
+mod precedence;
 #[cfg(test)]
 mod random;
 mod script;
+mod section;
 mod solid;
 mod surroundings;
 mod sweep;
@@ -56,6 +59,9 @@ pub fn check_plan(problem: &Problem, plan: &Plan) -> Result<Verdict, Vec<Violati
         goal::check_goal(&script, &timeline, &mut wrong);
         goal::check_makespan(&script, &points, &mut wrong);
         clearance::check(&script, &timeline, &mut verdict, &mut wrong);
+        if wrong.is_empty() {
+            irredundant::check(&script, &timeline, &points, &mut wrong);
+        }
     }
     wrong.sort_by_key(|violation| violation.rule);
     if wrong.is_empty() { Ok(verdict) } else { Err(wrong) }

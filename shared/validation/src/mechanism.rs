@@ -1,11 +1,15 @@
 //! Forward kinematics, and bounds on how fast bodies move, written from the model alone.
 
+mod chain;
+
 use glamx::DVec3;
 use model::{JointId, JointMotion, JointValue, LinkId, Robot};
 
 use crate::frame::Frame;
 use crate::solid::Solid;
 use crate::track::Leg;
+
+pub(crate) use chain::Axis;
 
 /// A robot made ready for evaluation.
 pub(crate) struct Mechanism {

@@ -14,9 +14,11 @@
 //! only where that limit is met may a set come after a larger one.
 
 mod bits;
+mod contradiction;
 mod crowds;
 mod enumeration;
 mod footprint;
+mod guests;
 mod layout;
 mod network;
 mod nogoods;

@@ -11,6 +11,8 @@ use crate::footprint::Rectangle;
 const HALF_TURN_CELLS: u32 = 4096;
 /// Cosine of a tilt that counts as none.
 const UPRIGHT: f64 = 1.0 - 1e-9;
+/// How far a body must stick out to count (m): proofs are checked with other mathematics.
+const EXCESS: f64 = 1e-5;
 
 /// A body about its owner's origin, in the owner's frame; the owner's z axis points up.
 #[derive(Clone, Debug)]
@@ -60,7 +62,7 @@ impl<'a> Outline<'a> {
     /// radian.
     pub fn never_fits(&self, rectangle: &Rectangle) -> bool {
         let cell = PI / f64::from(HALF_TURN_CELLS);
-        let slack = self.diameter() * cell / 2.0;
+        let slack = self.diameter() * cell / 2.0 + EXCESS;
         (0..HALF_TURN_CELLS).all(|i| {
             let (sin, cos) = ((f64::from(i) + 0.5) * cell).sin_cos();
             self.width(&Vector3::new(cos, sin, 0.0)) - slack > rectangle.size[0]

@@ -2,7 +2,7 @@
 
 use model::Problem;
 use plan::{BodyRef, Cause, PairPoint};
-use skeleton::{ArcOrigin, Cycle};
+use skeleton::{ArcOrigin, Cycle, Event};
 
 use crate::layout::{Layout, Order, Site};
 
@@ -39,9 +39,11 @@ pub(crate) fn cycle(problem: &Problem, Cycle(arcs): &Cycle) -> Cause {
         let arriving = arcs[(index + arcs.len() - 1) % arcs.len()].origin;
         arriving == ArcOrigin::Robot && arcs[index].origin == ArcOrigin::Robot
     };
-    let points = (0..arcs.len()).filter(|index| !passed(*index)).map(|index| {
-        let event = arcs[index].before;
-        PairPoint { pair: problem.pair(event.pair).name.clone(), point: event.point }
-    });
+    let points = (0..arcs.len()).filter(|index| !passed(*index)).map(|index| point(problem, arcs[index].before));
     Cause::Cycle { points: points.collect() }
+}
+
+/// An event.
+pub(crate) fn point(problem: &Problem, event: Event) -> PairPoint {
+    PairPoint { pair: problem.pair(event.pair).name.clone(), point: event.point }
 }

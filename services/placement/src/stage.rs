@@ -17,10 +17,10 @@ use crate::enumeration::{Enumeration, Solved};
 use crate::network::Stop;
 use crate::nogoods::Nogoods;
 use crate::order_sets::OrderSets;
-use crate::proof::{self, proven};
-use crate::report;
+
 use crate::samples::{Paid, Samples};
 use crate::world::World;
+use crate::{proof, report};
 
 /// Most samples of one hop that a level may ask for.
 const MOST_SAMPLES: u64 = 1 << 14;
@@ -47,7 +47,7 @@ impl PlacementStage {
                 let world = World::new(statement, &skeleton)?;
                 proof::impossible(problem, &world.layout).map_or(Ok(world), Err)
             }
-            Err(cycle) => Err(proven(vec![report::cycle(problem, &cycle)])),
+            Err(cycle) => Err(proof::cyclic(problem, &cycle)),
         };
         Ok(Self { world, drawn: Mutex::default() })
     }

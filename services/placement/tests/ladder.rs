@@ -5,7 +5,7 @@ mod common;
 use common::{ONE_SLOT, Scene, WIDE, candidates, failure, first_candidate, job, orders, shipped, stage};
 use contract::{Literal, Soundness};
 use model::{Point, Problem};
-use plan::{Cause, PairPoint};
+use plan::{Cause, Certificate, CycleOrigin, PairPoint};
 use skeleton::Event;
 
 fn cycle_points(causes: &[(Cause, u64)]) -> Vec<PairPoint> {
@@ -54,6 +54,10 @@ fn t06_an_order_that_contradicts_the_needed_one_is_proven_to_be_a_cycle() {
     let mut points = cycle_points(&report.causes);
     points.sort();
     assert_eq!(points, [point("r1.1", Point::Release), point("r2.1", Point::Grasp)]);
+    let Some(Certificate::Cycle { exclusions, cycles }) = report.proof() else { panic!("{report:?}") };
+    assert_eq!((exclusions.len(), exclusions[0].region.as_str()), (1, "tiny"));
+    let origins: Vec<CycleOrigin> = cycles[0].iter().map(|arc| arc.origin).collect();
+    assert_eq!(origins, [CycleOrigin::Given, CycleOrigin::Excluded { exclusion: 0 }]);
     assert_eq!(unplaced(&report.causes), [("new".to_owned(), "tiny".to_owned())]);
 }
 
@@ -78,6 +82,8 @@ fn t07_three_objects_that_stay_in_a_region_for_two_are_proven_too_many() {
     assert_eq!(report.soundness, Soundness::Hard);
     let all = ["a", "b", "c"].map(|name| (name.to_owned(), "to".to_owned()));
     assert_eq!(unplaced(&report.causes), all);
+    let Some(Certificate::Area { stays, together, .. }) = report.proof() else { panic!("{report:?}") };
+    assert_eq!((stays.len(), together.len()), (3, 0), "none of them leaves");
     first_candidate(&crowd([0.26, 0.07]));
     // By area alone three would fit here; that no sample shows it is no proof.
     let report = failure(&crowd([0.2, 0.07]));
@@ -91,6 +97,8 @@ fn an_object_larger_than_its_region_is_proven_so() {
     let report = failure(&scene.carton("m", "from", [0.0, 0.0]).moves(1, "m", "from", "narrow").0);
     assert_eq!(report.soundness, Soundness::Hard);
     assert_eq!(unplaced(&report.causes), [("m".to_owned(), "narrow".to_owned())]);
+    let certificate = Certificate::ObjectTooLarge { object: "m".into(), region: "narrow".into() };
+    assert_eq!(report.proof(), Some(&certificate));
 }
 
 fn two_robot_swap() -> Scene {

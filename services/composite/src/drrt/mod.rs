@@ -6,7 +6,8 @@
 //! finished plan takes those waits out again. The paper's search keeps one mode vector and never goes back; here every
 //! state ever reached can grow.
 //!
-//! Probabilistically complete on the given roadmaps; on small products it is exact: see [`exhaust`].
+//! Probabilistically complete on the given roadmaps. Small products are searched through where chance finds no way: their
+//! "no" is definite for these roadmaps.
 
 mod compose;
 mod composite_roadmap;

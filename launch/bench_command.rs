@@ -8,6 +8,7 @@ use miette::{Context, IntoDiagnostic};
 use serde_json::Value;
 
 use crate::exit;
+use crate::packages::PackageArgs;
 use crate::plan_command::Composite;
 
 /// Arguments of `mrtamp bench`.
@@ -33,6 +34,9 @@ pub struct BenchArgs {
     /// Folder for the plans, one subfolder for each seed.
     #[arg(long, value_name = "DIR", default_value = "mrtamp-out/bench")]
     pub out: PathBuf,
+    /// Where ROS packages lie.
+    #[command(flatten)]
+    pub packages: PackageArgs,
 }
 
 /// One run.
@@ -79,6 +83,7 @@ fn plan_once(args: &BenchArgs, seed: u64) -> miette::Result<Row> {
     command.arg("plan").args(&args.problem).args(["--json", "--seed", &seed.to_string()]).arg("--out").arg(&out);
     command.args(["--time-limit", &args.time_limit.to_string()]);
     command.args(["--composite", args.composite.name()]);
+    command.args(args.packages.to_arguments());
     if args.in_process {
         command.arg("--in-process");
     }

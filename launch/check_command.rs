@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use crate::exit::{self, BadInput};
+use crate::packages::PackageArgs;
 use crate::problem_source;
 
 /// Arguments of `mrtamp check`.
@@ -18,6 +19,9 @@ pub struct CheckArgs {
     /// Results for programs.
     #[arg(long)]
     pub json: bool,
+    /// Where ROS packages lie.
+    #[command(flatten)]
+    pub packages: PackageArgs,
 }
 
 /// Checks a plan.
@@ -25,7 +29,7 @@ pub struct CheckArgs {
 /// # Errors
 /// A report for the user.
 pub fn run(args: &CheckArgs) -> miette::Result<ExitCode> {
-    let problem = problem_source::load(Some(&args.problem))?;
+    let problem = problem_source::load_with(Some(&args.problem), &args.packages)?;
     let bytes = problem_source::read_file(&args.plan)?;
     let plan = plan::read_plan(&bytes).map_err(|error| {
         miette::Report::new(BadInput {

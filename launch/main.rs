@@ -3,7 +3,10 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use launch::{bench_command, check_command, export_command, plan_command, schema_command, view_command};
+use launch::{
+    bench_command, check_command, export_command, init_command, plan_command, robot_command, schema_command,
+    view_command,
+};
 
 /// Multi-robot task and motion planning: refines a task plan into a plan that every robot executes on its own clock.
 #[derive(Parser)]
@@ -25,6 +28,10 @@ enum Command {
     View(view_command::ViewArgs),
     /// Writes a plan in another program's format.
     Export(export_command::ExportArgs),
+    /// Shows what a robot's files say and suggests what they do not.
+    Robot(robot_command::RobotArgs),
+    /// Writes a commented problem to start from into a new folder.
+    Init(init_command::InitArgs),
     /// Prints the JSON Schema of a file format.
     Schema(schema_command::SchemaArgs),
 }
@@ -36,6 +43,8 @@ fn main() -> ExitCode {
         Command::Check(args) => check_command::run(&args),
         Command::View(args) => view_command::run(&args),
         Command::Export(args) => export_command::run(&args),
+        Command::Robot(args) => robot_command::run(&args),
+        Command::Init(args) => init_command::run(&args),
         Command::Schema(args) => schema_command::run(&args),
     };
     ended.unwrap_or_else(|report| {

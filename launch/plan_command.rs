@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use contract::{CompositeMethod, ProblemStatement};
 
 use crate::ending::Conclusion;
+use crate::packages::PackageArgs;
 use crate::progress::Progress;
 use crate::{in_process, problem_source};
 
@@ -38,6 +39,9 @@ pub struct PlanArgs {
     /// Results for programs.
     #[arg(long)]
     pub json: bool,
+    /// Where ROS packages lie.
+    #[command(flatten)]
+    pub packages: PackageArgs,
 }
 
 /// How composite motion is searched for.
@@ -75,7 +79,7 @@ impl From<Composite> for CompositeMethod {
 /// # Errors
 /// A report for the user.
 pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
-    let problem = problem_source::load(args.problem.as_deref())?;
+    let problem = problem_source::load_with(args.problem.as_deref(), &args.packages)?;
     let statement = Arc::new(ProblemStatement::new(problem, args.seed, args.composite.into()));
     let progress = Progress::new(statement.clone(), args.json);
     let cancelled = Arc::new(AtomicBool::new(false));

@@ -3,16 +3,17 @@
 use std::path::Path;
 
 use miette::Report;
-use model::{DiskFiles, EmbeddedFiles, Problem, ProblemError, load_problem};
+use model::{EmbeddedFiles, Problem, ProblemError, load_problem};
 
 use crate::exit::BadInput;
+use crate::packages::PackageArgs;
 
 macro_rules! embedded {
     ($($path:literal),* $(,)?) => { &[$(($path, include_bytes!($path))),*] };
 }
 
 /// Robots and scenes built into the program.
-static BUILT_IN: EmbeddedFiles = EmbeddedFiles(embedded![
+pub(crate) static BUILT_IN: EmbeddedFiles = EmbeddedFiles(embedded![
     "robots/mm10.urdf",
     "robots/mm10.srdf",
     "robots/fa7.urdf",
@@ -35,6 +36,14 @@ const DEFAULT_SCENE: &str = "figure1";
 /// # Errors
 /// A report that names file, line and remedy; its exit code is that of bad input.
 pub fn load(named: Option<&Path>) -> miette::Result<Problem> {
+    load_with(named, &PackageArgs::default())
+}
+
+/// As [`load`], with ROS packages that the user names.
+///
+/// # Errors
+/// A report that names file, line and remedy; its exit code is that of bad input.
+pub fn load_with(named: Option<&Path>, packages: &PackageArgs) -> miette::Result<Problem> {
     let Some(path) = named else {
         return load_problem(&BUILT_IN, &scene(DEFAULT_SCENE)).map_err(report);
     };
@@ -43,7 +52,7 @@ pub fn load(named: Option<&Path>) -> miette::Result<Problem> {
     if built_in && !path.exists() {
         return load_problem(&BUILT_IN, &scene(&name)).map_err(report);
     }
-    load_problem(&DiskFiles, &name).map_err(report)
+    load_problem(&packages.files(), &name).map_err(report)
 }
 
 fn scene(name: &str) -> String {

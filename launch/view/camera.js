@@ -47,10 +47,11 @@ class Camera {
     return [((x / w + 1) / 2) * width, ((1 - y / w) / 2) * height, w];
   }
 
-  /** Moves so that all points of the scene are in the picture, with a margin. */
-  frame(azimuth = this.azimuth, elevation = this.elevation) {
-    [this.azimuth, this.elevation] = [azimuth, elevation];
+  /** Moves so that all points of the scene are in the picture, with a margin; by default from the front and above. */
+  frame(azimuth = -1.25, elevation = undefined) {
     const [width, height] = this.viewport;
+    // A tall picture has room for more depth.
+    [this.azimuth, this.elevation] = [azimuth, elevation ?? (width > 1.3 * height ? 0.78 : 1.0)];
     const slopeY = Math.tan(FIELD_OF_VIEW / 2) * 0.9;
     const slopeX = (slopeY * width) / height;
     const back = this.outward;

@@ -9,14 +9,23 @@ use serde::Serialize;
 pub struct FailureData {
     result: ResultKind,
     headline: &'static str,
-    tried: Vec<String>,
+    tried: Tried,
     causes: Vec<CauseData>,
+}
+
+/// How far the search went, in words.
+#[derive(Serialize)]
+struct Tried {
+    heading: String,
+    lines: Vec<String>,
 }
 
 #[derive(Serialize)]
 struct CauseData {
     words: String,
     count: u64,
+    /// Whether it is a contact met while trying, rather than something of the task that could not be done.
+    contact: bool,
     /// What to highlight: `robot:<name>`, `link:<robot>/<link>`, `object:<name>`, `fixed:<name>`, `region:<name>`.
     bodies: Vec<String>,
 }
@@ -28,6 +37,7 @@ impl FailureData {
         let causes = failure.causes.iter().map(|(cause, count)| CauseData {
             words: crate::words::cause(cause),
             count: *count,
+            contact: matches!(cause, Cause::Collision { .. }),
             bodies: bodies(problem, cause),
         });
         Self {
@@ -39,18 +49,19 @@ impl FailureData {
     }
 }
 
-/// How far the search went, in words.
-fn tried(problem: &Problem, failure: &Failure) -> Vec<String> {
+fn tried(problem: &Problem, failure: &Failure) -> Tried {
     let levels = &problem.levels;
     let grown = |count: u32| u64::from(count) << levels.highest.min(32);
+    let heading = match (failure.result, levels.highest) {
+        (ResultKind::SamplesExhausted, 0) => "The first level of samples alone (levels.highest is 0):".to_owned(),
+        (ResultKind::SamplesExhausted, highest) => {
+            format!("All levels of samples from 0 to {highest}, each with twice as many as the last; at the end")
+        }
+        (ResultKind::LimitReached, _) => "As much as the limit allowed:".to_owned(),
+        (ResultKind::InfeasibleProven, _) => "As much as the proof needed:".to_owned(),
+    };
     let mut lines = Vec::new();
     if failure.result == ResultKind::SamplesExhausted {
-        lines.push(match levels.highest {
-            0 => "The first sample level only (levels.highest is 0):".to_owned(),
-            highest => format!(
-                "All sample levels from 0 to {highest}, each with twice the samples of the one before; at the last:"
-            ),
-        });
         lines.push(format!("{} placements for each hop of an object", grown(levels.placements)));
         lines.push(format!(
             "{} grasps and {} stands for each end of a pair",
@@ -61,8 +72,8 @@ fn tried(problem: &Problem, failure: &Failure) -> Vec<String> {
     }
     let jobs: u64 = failure.stages.iter().map(|stage| stage.jobs).sum();
     let failures: u64 = failure.stages.iter().map(|stage| stage.failures).sum();
-    lines.push(format!("{jobs} jobs were answered, {failures} of them with a failure"));
-    lines
+    lines.push(format!("{jobs} jobs answered, {failures} of them with a failure"));
+    Tried { heading, lines }
 }
 
 fn bodies(problem: &Problem, cause: &Cause) -> Vec<String> {

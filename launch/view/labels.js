@@ -1,5 +1,11 @@
 // Names over the picture: placed where they do not cover one another, more important ones first.
 
+/** Places to try, from a point to the label's corner, in sizes of the label. Robots stand on their names. */
+const PLACES = {
+  above: [[-0.5, -1], [-0.5, -2.1], [0.1, -1.4], [-1.1, -1.4], [-0.5, 0.4], [-0.5, -3.2]],
+  below: [[-0.5, 0.5], [0.4, 0], [-1.4, 0], [-0.5, 1.6], [0.6, -1.2], [-1.6, -1.2]],
+};
+
 class Labels {
   constructor(layer) {
     this.layer = layer;
@@ -21,7 +27,7 @@ class Labels {
       }
       span.hidden = false;
       span.size ||= [span.offsetWidth, span.offsetHeight];
-      const box = this.freePlace(label.at, span.size, taken, width, height);
+      const box = this.freePlace(label, span.size, taken, width, height);
       span.hidden = !box;
       if (!box) return;
       taken.push(box);
@@ -36,8 +42,8 @@ class Labels {
   }
 
   /** A box [left, top, right, bottom] near a point that is free; undefined where there is none. */
-  freePlace([x, y], [w, h], taken, width, height) {
-    for (const [dx, dy] of [[-0.5, -1], [-0.5, -2.1], [0.1, -1.4], [-1.1, -1.4], [-0.5, 0.4], [-0.5, -3.2]]) {
+  freePlace({ at: [x, y], kind }, [w, h], taken, width, height) {
+    for (const [dx, dy] of kind.startsWith("robot") ? PLACES.below : PLACES.above) {
       const [left, top] = [x + dx * w, y + dy * h];
       const box = [left, top, left + w, top + h];
       const inside = left >= 2 && top >= 2 && box[2] <= width - 2 && box[3] <= height - 2;

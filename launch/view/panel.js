@@ -18,7 +18,7 @@ function putFigure(parent, name, value, note = "") {
   const row = put(parent, "div", "figure");
   put(row, "dt", "", name);
   const data = put(row, "dd", "", value);
-  if (note) put(data, "small", "", note);
+  if (note) put(data, "small", note.length > 16 ? "long" : "", note);
 }
 
 /** A table of each stage's work. */
@@ -127,29 +127,39 @@ class FailurePanel {
     const section = putSection(element, "Result");
     put(section, "p", "headline", this.failure.headline);
     const tried = putSection(element, "What was tried");
+    put(tried, "p", "", this.failure.tried.heading);
     const list = put(tried, "ul", "tried");
-    for (const line of this.failure.tried) put(list, "li", "", line);
+    for (const line of this.failure.tried.lines) put(list, "li", "", line);
     putStages(element, data.stages);
     putProvenance(element, data);
     this.putCauses(causes, choose);
   }
 
+  /** What could not be done, and what was touched while trying: counts of the two do not compare. */
   putCauses(element, choose) {
-    put(element, "h2", "", this.failure.causes.length ? "What was in the way, most frequent first" : "No cause was recorded");
-    const list = put(element, "ol", "causes");
-    const most = Math.max(1, ...this.failure.causes.map((cause) => cause.count));
-    this.buttons = this.failure.causes.map((cause, i) => {
-      const button = put(put(list, "li"), "button", "cause");
-      button.type = "button";
-      button.style.setProperty("--share", `${(100 * cause.count) / most}%`);
-      put(button, "b", "", `${cause.count.toLocaleString("en")} ×`);
-      put(button, "span", "", cause.words);
-      button.addEventListener("click", () => choose(i));
-      return button;
-    });
+    this.buttons = new Map();
+    const { causes } = this.failure;
+    for (const [heading, contact] of [["What could not be done", false], ["What was touched while trying", true]]) {
+      const group = causes.filter((cause) => cause.contact === contact);
+      if (!group.length) continue;
+      const section = put(element, "div", "group");
+      put(section, "h2", "", `${heading}, most frequent first`);
+      const list = put(section, "ol", "causes");
+      const most = Math.max(1, ...group.map((cause) => cause.count));
+      for (const cause of group) {
+        const button = put(put(list, "li"), "button", "cause");
+        button.type = "button";
+        button.style.setProperty("--share", `${(100 * cause.count) / most}%`);
+        put(button, "b", "", `${cause.count.toLocaleString("en")} ×`);
+        put(button, "span", "", cause.words);
+        button.addEventListener("click", () => choose(cause));
+        this.buttons.set(cause, button);
+      }
+    }
+    if (!causes.length) put(element, "h2", "", "No cause was recorded");
   }
 
   show(chosen) {
-    this.buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(i === chosen)));
+    for (const [cause, button] of this.buttons) button.setAttribute("aria-pressed", String(cause === chosen));
   }
 }

@@ -175,10 +175,17 @@ class Renderer {
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, texture, 0);
     gl.drawBuffers([gl.NONE]);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    const middle = scale(add(this.camera.low, this.camera.high), 0.5);
-    const half = this.camera.radius * 1.15;
-    const eye = add(middle, scale(TO_LIGHT, 2 * half));
-    return { texture, frame, projection: multiply(parallel(half, 4 * half), lookAt(eye, middle, [0, 1, 0])) };
+    return { texture, frame };
+  }
+
+  /** The world as the light sees it: what is near the camera's target, or the whole scene. */
+  shadowProjection() {
+    const { camera } = this;
+    const whole = camera.radius * 1.15;
+    const half = Math.min(whole, camera.distance);
+    const middle = half < whole ? camera.target : scale(add(camera.low, camera.high), 0.5);
+    const eye = add(middle, scale(TO_LIGHT, 2 * whole));
+    return multiply(parallel(half, 4 * whole), lookAt(eye, middle, [0, 1, 0]));
   }
 
   pickTarget() {
@@ -211,7 +218,8 @@ class Renderer {
     const gl = this.gl;
     const solid = items.filter((item) => item.alpha >= 1);
     const clear = items.filter((item) => item.alpha < 1);
-    this.drawShadows(solid.filter((item) => item.shadow));
+    const shadowProjection = this.shadowProjection();
+    this.drawShadows(items.filter((item) => item.shadow), shadowProjection);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.clearColor(...(bare ? [1, 1, 1] : this.theme.background), 1);
@@ -221,12 +229,15 @@ class Renderer {
     const viewProjection = this.camera.viewProjection();
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.shadow.texture);
-    const common = { viewProjection, shadowProjection: this.shadow.projection, shadowMap: 0, eye: this.camera.eye, toLight: TO_LIGHT };
+    const common = { viewProjection, shadowProjection, shadowMap: 0, eye: this.camera.eye, toLight: TO_LIGHT };
     if (!bare) this.drawFloor(common);
     const light = { ...common, skyLight: this.theme.sky, groundLight: this.theme.ground };
     gl.enable(gl.POLYGON_OFFSET_FILL);
-    gl.polygonOffset(1, 1);
-    for (const item of solid) this.drawFaces(this.surfaceProgram, item, light);
+    for (const item of solid) {
+      // Surfaces of neighbouring links may coincide: one of them is drawn behind.
+      gl.polygonOffset(1 + (item.behind || 0), 1 + 8 * (item.behind || 0));
+      this.drawFaces(this.surfaceProgram, item, light);
+    }
     gl.disable(gl.POLYGON_OFFSET_FILL);
     this.drawEdges(solid, viewProjection);
     gl.enable(gl.BLEND);
@@ -240,7 +251,7 @@ class Renderer {
     gl.disable(gl.BLEND);
   }
 
-  drawShadows(items) {
+  drawShadows(items, viewProjection) {
     const gl = this.gl;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.shadow.frame);
     gl.viewport(0, 0, SHADOW_SIZE, SHADOW_SIZE);
@@ -248,7 +259,7 @@ class Renderer {
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1.5, 2);
-    for (const item of items) this.drawFaces(this.flatProgram, item, { viewProjection: this.shadow.projection, nearer: 0 });
+    for (const item of items) this.drawFaces(this.flatProgram, item, { viewProjection, nearer: 0 });
     gl.disable(gl.POLYGON_OFFSET_FILL);
   }
 

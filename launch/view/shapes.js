@@ -22,6 +22,20 @@ function cornersOf(body) {
   return body.hull.corners;
 }
 
+/** Whether the way from `eye` to `point` crosses the bounds of an item ({frame, corners}) before it ends. */
+function crossesBounds(eye, point, { frame, corners }) {
+  const [from, to] = [eye, point].map((p) => turned([0, 0, 0, -frame[3], -frame[4], -frame[5], frame[6]], subtract(p, frame)));
+  let [enters, leaves] = [0, 0.995];
+  for (let axis = 0; axis < 3; axis++) {
+    const along = corners.map((corner) => corner[axis]);
+    const step = to[axis] - from[axis] || 1e-12;
+    const ends = [Math.min(...along), Math.max(...along)].map((bound) => (bound - from[axis]) / step);
+    enters = Math.max(enters, Math.min(...ends));
+    leaves = Math.min(leaves, Math.max(...ends));
+  }
+  return enters < leaves;
+}
+
 function boxSurface(half) {
   const surface = { positions: [], normals: [], indices: [], edges: [] };
   for (let axis = 0; axis < 3; axis++) {

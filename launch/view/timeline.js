@@ -137,10 +137,13 @@ class Timeline {
       const [x, width] = [this.x(mode.begins), this.x(mode.ends) - this.x(mode.begins)];
       const bar = draw(lane, "rect", { x: x + 0.5, y: top, width: Math.max(1, width - 1), height: LANE.bar, rx: 3, class: `mode ${mode.mode}` });
       bar.tip = () => this.modeWords(mode);
-      const text = this.fittingName(mode, width - 8);
-      if (text) draw(lane, "text", { x: x + width / 2, y: top + 15, class: `name ${mode.mode}` }, text);
     }
     for (const segment of this.plan.robots[robot].segments) this.drawSegment(lane, robot, segment, top);
+    for (const mode of this.modes[robot]) {
+      const [x, end] = [this.x(mode.begins), this.x(mode.ends)];
+      const text = this.fittingName(mode, end - x - 8);
+      if (text) draw(lane, "text", { x: (x + end) / 2, y: top + 15, class: `name ${mode.mode}` }, text);
+    }
     for (const event of this.world.gripping[robot]) {
       const [x, y] = [this.x(event.t), top - 2];
       const path = event.attach ? `M${x - 5} ${y - 8} h10 l-5 8 Z` : `M${x - 5} ${y} h10 l-5 -8 Z`;
@@ -313,7 +316,10 @@ class Timeline {
         this.seek(point(event));
       }
     });
-    this.svg.addEventListener("click", (event) => this.seek(point(event)));
+    this.svg.addEventListener("click", (event) => {
+      this.seek(point(event));
+      this.hover(event);
+    });
     this.svg.addEventListener("pointermove", (event) => {
       if (dragging) this.seek(point(event));
       this.hover(event);
@@ -336,7 +342,7 @@ class Timeline {
   hover(event) {
     // While dragging, the pointer is captured by the whole picture.
     const target = document.elementFromPoint(event.clientX, event.clientY);
-    if (target && target.tip) this.tip.show(target.tip(), event.clientX, event.clientY);
+    if (target?.tip) this.tip.show(target.tip(), event.clientX, event.clientY);
     else this.tip.hide();
   }
 

@@ -5,11 +5,11 @@ const SPEEDS = [0.25, 1, 2, 4, 8];
 const CULPRIT = colourOf("#d55e00");
 const THEMES = {
   light: {
-    background: colourOf("#eef1f5"), floor: colourOf("#e3e7ec"), line: colourOf("#aeb7c2"),
+    fixed: 1, background: colourOf("#eef1f5"), floor: colourOf("#e3e7ec"), line: colourOf("#aeb7c2"),
     sky: [0.52, 0.54, 0.57], ground: [0.26, 0.25, 0.24], edge: [0.08, 0.1, 0.14, 0.5],
   },
   dark: {
-    background: colourOf("#10141a"), floor: colourOf("#1b212a"), line: colourOf("#3b4654"),
+    fixed: 0.55, background: colourOf("#10141a"), floor: colourOf("#1b212a"), line: colourOf("#3b4654"),
     sky: [0.40, 0.42, 0.46], ground: [0.16, 0.16, 0.17], edge: [0.02, 0.03, 0.05, 0.65],
   },
 };
@@ -45,7 +45,7 @@ class Viewer {
     this.following = -1;
     this.shown = { labels: true, paths: true, glass: false };
     this.only = undefined;
-    this.cause = data.failure && data.failure.causes.length ? 0 : -1;
+    this.cause = data.failure && (data.failure.causes.find((cause) => !cause.contact) || data.failure.causes[0]);
     this.tip = new Tip($("tip"));
     this.paths = new Map();
     this.labels = new Labels($("labels"));
@@ -74,11 +74,15 @@ class Viewer {
     const { scene } = this.world;
     const fixedColour = colourOf(scene.colours.fixed);
     this.fixed = scene.fixed.flatMap((owner) => owned(owner, "fixed", (o) => ({ pose: o.pose, colour: fixedColour })));
-    for (const item of this.fixed) item.matrix = matrixOf(compose(item.pose, item.body.pose));
+    for (const item of this.fixed) {
+      item.frame = compose(item.pose, item.body.pose);
+      item.matrix = matrixOf(item.frame);
+      item.corners = cornersOf(item.body);
+    }
     this.objects = scene.objects.map((owner) => owned(owner, "object", () => ({ colour: colourOf(scene.colours.object) })));
     this.links = scene.robots.map((robot) => robot.links.map((link, i) => {
       const colour = mixed(colourOf(robot.colour), [1, 1, 1], i % 2 ? 0.42 : 0.06);
-      return link.bodies.map((body) => this.item(body, { id: `link:${robot.name}/${link.name}`, colour }));
+      return link.bodies.map((body) => this.item(body, { id: `link:${robot.name}/${link.name}`, colour, behind: i % 2 }));
     }));
     this.regions = scene.regions.map((region) => ({
       id: `region:${region.name}`,
@@ -110,7 +114,7 @@ class Viewer {
     } else {
       document.body.className = "failure";
       document.querySelector(".verdict").textContent = data.failure.headline;
-      this.panel = new FailurePanel($("panel"), $("causes"), data, (i) => this.choose(i));
+      this.panel = new FailurePanel($("panel"), $("causes"), data, (cause) => this.choose(cause));
     }
   }
 
@@ -130,7 +134,12 @@ class Viewer {
     for (const button of document.querySelectorAll("[data-toggle]")) button.addEventListener("click", () => this.switch(button.dataset.toggle));
     $("help").addEventListener("click", () => $("keys").showModal());
     document.addEventListener("keydown", (event) => this.key(event));
+    // A button that was clicked with a pointer does not keep the keys, least of all the space bar.
+    document.addEventListener("click", (event) => event.detail && event.target.closest("button")?.blur());
+    document.addEventListener("pointerdown", () => this.tip.hide());
     const canvas = document.querySelector("canvas");
+    canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+    canvas.addEventListener("webglcontextrestored", () => location.reload());
     handleGestures(canvas, this.camera, () => {
       this.moved = true;
       this.tip.hide();
@@ -191,7 +200,7 @@ class Viewer {
     this.following = -1;
     this.moved = false;
     if (view === "top") this.camera.frame(-Math.PI / 2, Math.PI / 2);
-    else this.camera.frame(-1.25, 0.75);
+    else this.camera.frame();
     this.moved = view === "top";
     this.invalidate();
   }
@@ -207,14 +216,14 @@ class Viewer {
     if (this.following >= 0) {
       this.moved = true;
       this.camera.target = add(this.world.linkPoses(robot, this.t)[0].slice(0, 3), [0, 0, 0.6]);
-      this.camera.distance = Math.min(this.camera.distance, 5);
+      this.camera.distance = Math.min(this.camera.distance, 4.5);
     }
     this.followed = undefined;
     this.invalidate();
   }
 
   choose(cause) {
-    this.cause = this.cause === cause ? -1 : cause;
+    this.cause = this.cause === cause ? undefined : cause;
     this.invalidate();
   }
 
@@ -234,7 +243,7 @@ class Viewer {
   }
 
   showPlaying() {
-    $("play").textContent = this.playing ? "⏸" : "▶";
+    $("play").classList.toggle("playing", this.playing);
     $("play").setAttribute("aria-label", this.playing ? "pause" : "play");
   }
 
@@ -323,30 +332,42 @@ class Viewer {
         items.push(ghost);
       }
     });
-    return items.map((item) => this.painted(item));
+    const hiding = this.hiding(state);
+    return items.map((item) => this.painted(item, hiding));
+  }
+
+  /** Names of fixed objects that stand between the eye and a hand or an object. */
+  hiding(state) {
+    const eye = this.camera.eye;
+    const hands = state.links.map((poses, robot) => this.world.toolPose(robot, poses));
+    const seen = [...hands, ...state.objects].map((pose) => pose.slice(0, 3));
+    return new Set(this.fixed.filter((item) => seen.some((point) => crossesBounds(eye, point, item))).map((item) => item.id));
   }
 
   /** An item in the colours of the moment: theme, glass, culprits. */
-  painted(item) {
-    const edge = this.renderer.theme.edge;
+  painted(item, hiding) {
+    const { edge, fixed } = this.renderer.theme;
     let { colour, alpha } = item;
     let edges = item.edges === true ? edge : item.edges;
-    if (this.shown.glass && item.id?.startsWith("fixed:")) [alpha, edges] = [0.16, [...edge.slice(0, 3), 0.6]];
+    if (item.id?.startsWith("fixed:")) {
+      colour = scale(colour, fixed);
+      if (this.shown.glass || hiding.has(item.id)) [alpha, edges] = [this.shown.glass ? 0.16 : 0.3, [...edge.slice(0, 3), 0.6]];
+    }
     if (this.data.failure) {
       const blame = this.blame(item.id);
       if (blame === 2) [colour, alpha, edges] = [CULPRIT, Math.max(alpha, 0.7), [0, 0, 0, 1]];
       else if (blame === 1) colour = mixed(colour, CULPRIT, 0.4);
       else if (!item.id?.startsWith("region:")) colour = mixed(mixed(colour, [0.62, 0.65, 0.7], 0.75), this.renderer.theme.background, 0.15);
     }
-    return { ...item, colour, alpha, edges, shadow: item.shadow && alpha >= 1 };
+    return { ...item, colour, alpha, edges };
   }
 
-  /** 2 if the chosen cause names a body, 1 if another cause does, else 0. */
+  /** 2 if the chosen cause names a body (any cause, where none is chosen), 1 if only another cause does, else 0. */
   blame(id) {
     const { causes } = this.data.failure;
     const names = (cause) => cause.bodies.some((body) => body === id || (body.startsWith("robot:") && id?.startsWith(`link:${body.slice(6)}/`)));
-    if (this.cause >= 0 && names(causes[this.cause])) return 2;
-    return this.cause < 0 && causes.some(names) ? 2 : causes.some(names) ? 1 : 0;
+    if (this.cause ? names(this.cause) : causes.some(names)) return 2;
+    return causes.some(names) ? 1 : 0;
   }
 
   /** The way of each hand in its robot's current mode: what is over darker, what is to come fainter. */
@@ -381,15 +402,12 @@ class Viewer {
       const blame = this.data.failure && this.blame(id) === 2;
       return at && { text: blame ? `! ${text}` : text, at, kind: blame ? `${kind} blamed` : kind, colour };
     };
-    const robots = scene.robots.map((robot, i) => {
-      const root = state.links[i][0];
-      const top = Math.max(...state.links[i].map((pose) => pose[2])) + 0.12;
-      return label(robot.name, [root[0], root[1], top], "robot", robot.colour, `link:${robot.name}/${robot.links[0].name}`);
-    });
+    const robots = scene.robots.map((robot, i) => label(robot.name, state.links[i][0], "robot", robot.colour, `link:${robot.name}/${robot.links[0].name}`));
     const objects = scene.objects.map((object, i) => label(object.name, add(state.objects[i], [0, 0, this.halfHeight(i)]), "object", "", `object:${object.name}`));
     const regions = scene.regions.map((region) => label(region.name, placed(region.pose, [0, -region.size[1] / 2, 0]), "region", scene.colours.region, `region:${region.name}`));
+    const links = this.data.failure && this.cause ? this.cause.bodies.filter((body) => body.startsWith("link:")).map((body) => label(body.slice(body.indexOf("/") + 1), this.poseOf(body), "link", "", body)) : [];
     const fixed = this.data.failure ? scene.fixed.filter((o) => this.blame(`fixed:${o.name}`) === 2).map((o) => label(o.name, o.pose, "fixed", "", `fixed:${o.name}`)) : [];
-    return [...robots, ...objects, ...fixed, ...regions].filter(Boolean);
+    return [...links, ...robots, ...objects, ...fixed, ...regions].filter(Boolean);
   }
 
   halfHeight(object) {

@@ -1,10 +1,11 @@
 //! Planted situations: what must be possible, what must not, and what the search must do for it.
 
-use contract::{Commitment, FailureReport, encode_canonical};
+use contract::{Commitment, FailureReport, Interrupted, VertexId, encode_canonical};
 use model::{ObjectId, Point};
 use plan::{BodyRef, Cause};
 use skeleton::Occupancy;
 
+use super::super::drrt_with;
 use super::stepper::replay;
 use super::toy::{Places, Toy, place};
 
@@ -189,4 +190,30 @@ fn equal_seeds_give_equal_bytes_and_the_budget_is_kept() {
     }
     let (outcome, _) = toy(0).solve_after(&[], 0);
     assert!(outcome.unwrap().is_err());
+}
+
+#[test]
+fn a_cancelled_search_has_no_outcome() {
+    let toy = places(path(6), &[0, 5], &[(0, 0, 0, 2), (1, 1, 5, 3)]).toy(0);
+    let outcome = toy.with_flag(BUDGET, true, |context| {
+        drrt_with(&toy.statement, &toy.skeleton, &[], &toy.roadmaps, &toy.table, context)
+    });
+    assert_eq!(outcome.unwrap_err(), Interrupted::Cancelled);
+}
+
+#[test]
+fn roadmaps_that_are_not_the_modes_are_refused() {
+    let good = || places(path(4), &[0, 3], &[(0, 0, 0, 1)]).toy(0);
+    let spoiled: [fn(&mut Toy); 4] = [
+        |toy| toy.roadmaps[0].truncate(1),
+        |toy| toy.roadmaps[0][1].goal = VertexId(99),
+        |toy| toy.roadmaps[0][0].edges[0].duration_s = f64::NAN,
+        |toy| toy.roadmaps[0][0].edges[0].blockers = vec![77],
+    ];
+    for (i, spoil) in spoiled.into_iter().enumerate() {
+        let mut toy = good();
+        spoil(&mut toy);
+        let outcome = toy.solve_after(&[], BUDGET).0;
+        assert!(matches!(outcome, Err(Interrupted::Unfit(_))), "{i}");
+    }
 }

@@ -277,12 +277,17 @@ pub type Outcome = Result<Result<Vec<Commitment>, FailureReport>, Interrupted>;
 impl Toy {
     /// Calls `work` with a context that has a budget.
     pub fn with_context<T>(&self, budget: u64, work: impl FnOnce(&mut JobContext<'_>) -> T) -> T {
+        self.with_flag(budget, false, work)
+    }
+
+    /// The same, cancelled or not.
+    pub fn with_flag<T>(&self, budget: u64, cancelled: bool, work: impl FnOnce(&mut JobContext<'_>) -> T) -> T {
         let products = MemoryProducts::default();
         let composition = Composition::Drrt { prefix: None, roadmaps: Vec::new() };
         let assignment = contract::Assignment { poses: Vec::new(), grasps: Vec::new(), orders: Vec::new() };
         let job = Job { request: Request::Compose(ComposeJob { assignment, composition }), budget };
-        let never = Arc::new(AtomicBool::new(false));
-        work(&mut JobContext::new(JobId(Digest([0; 32])), &job, &products, never))
+        let flag = Arc::new(AtomicBool::new(cancelled));
+        work(&mut JobContext::new(JobId(Digest([0; 32])), &job, &products, flag))
     }
 
     /// Searches after a prefix within a budget; also the work units spent.

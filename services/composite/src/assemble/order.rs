@@ -19,10 +19,11 @@
 //!   both a and b before both a' and b'. As a and b conflict one of them, say a, is over before the other begins; then in
 //!   the schedule A stands at p throughout b, and does not touch it, nor q, which belongs to b.
 //!
-//! Before its first and after its last cell a robot stands likewise. An object at one of its poses is treated as part of
-//! the cells that end with its release and its grasp: whatever would touch it is over before the release's cell begins, or
-//! begins when the grasp's cell is over. The released object is in the hand at the end of that cell, and the object that
-//! is about to be grasped stands still, so the argument is the same. ∎
+//! Before its first and after its last cell a robot stands likewise. An object at one of its poses counts with the cells
+//! that end with its release and its grasp: whatever would touch it is over before the release's cell begins, or begins
+//! when the grasp's cell is over. (Mostly that follows from the hand and the object in it, which are there at the end of
+//! those cells; but the assigned pose and the hand's may differ by a rounding.) At the knot of a grasp or release the
+//! robot is in the state after it, so p belongs to the cell after it; the argument is the same. ∎
 //!
 //! Arcs that follow from others are left out, by vector clocks (Fidge 1988; Mattern 1989): cells are taken in the order
 //! of the schedule, and each carries how many cells of every robot are known to be over when it begins.

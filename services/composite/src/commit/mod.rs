@@ -1,21 +1,23 @@
 //! Commits one mode: safe-interval search to its event, with a safe tail behind it.
 
+mod causes;
 mod gates;
 mod moves;
+mod tail;
 
 use contract::{
-    Answer, Assignment, CauseTally, Commitment, EdgeKind, Interrupted, JobContext, Move, Outcome, Prefix, Product,
+    Answer, Assignment, CauseTally, Commitment, EdgeKind, Interrupted, JobContext, Outcome, Prefix, Product,
     ProductRef, VertexId,
 };
-use model::{Configuration, Holding, Standing};
-use plan::{BodyRef, Cause};
+use model::{Holding, Standing};
+use plan::Cause;
 use skeleton::{Mode, ModeId, Occupancy};
 
 pub(crate) use gates::Orders;
 use moves::Mover;
 
 use crate::points::same_configuration;
-use crate::sipp::{Blocker, Gates, ModeGraph, Search, Traffic};
+use crate::sipp::{Gates, ModeGraph, Search, Traffic};
 use crate::{Scene, Timeline, load_prefix};
 
 /// Time (s) for an event where the robot is already: it must come strictly after what it waits for.
@@ -234,43 +236,6 @@ impl CommitJob<'_> {
         Ok(traffic)
     }
 
-    /// From the event to a place to stand for ever: the best parking vertex that can be reached, else any vertex.
-    fn tail(
-        &self,
-        graph: &ModeGraph<'_>,
-        traffic: &Traffic<'_>,
-        at: &Configuration,
-        event_s: f64,
-        context: &mut JobContext<'_>,
-    ) -> Result<Option<Vec<Move>>, Unreached> {
-        let start = graph.roadmap.start;
-        let Start { mut mover, .. } = begin_at(graph, start, event_s, Mover::new(at.clone(), event_s))?;
-        mover.stand(event_s + self.scene.problem().settings.grip_time, EdgeKind::Arm, graph.allowed_at(start));
-        let best = graph.roadmap.parking.first().copied().unwrap_or(start);
-        let bound_s = graph.times_to(best).into_iter().map(|time| if time.is_finite() { time } else { 0.0 }).collect();
-        let conflicts = &self.scene.conflicts;
-        let mut search = Search::new(graph, traffic, conflicts, Gates::OPEN, bound_s, (start, event_s, mover.time_s));
-        let rank = |vertex: VertexId| graph.roadmap.parking.iter().position(|parking| *parking == vertex);
-        let mut found: Option<(usize, u64, usize)> = None;
-        while let Some(index) = search.next() {
-            self.spend(context)?;
-            let state = search.state(index);
-            if search.interval(&state).until_s < f64::INFINITY {
-                continue;
-            }
-            let here = (rank(state.vertex).unwrap_or(usize::MAX), state.time_s.to_bits(), index);
-            found = Some(found.map_or(here, |so_far| so_far.min(here)));
-            if here.0 == 0 {
-                break;
-            }
-        }
-        let Some((_, _, index)) = found else { return Ok(None) };
-        mover.follow(graph, &search.path(index));
-        let vertex = search.state(index).vertex;
-        mover.rest(EdgeKind::Arm, graph.allowed_at(vertex));
-        Ok(Some(mover.moves))
-    }
-
     fn spend(&self, context: &mut JobContext<'_>) -> Result<(), Unreached> {
         if context.spend(1)? {
             return Ok(());
@@ -291,36 +256,6 @@ impl CommitJob<'_> {
         let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
         let occupancy: Occupancy = self.scene.skeleton.placed(self.scene.problem(), pair);
         self.scene.standing(self.assignment, occupancy).map(Some)
-    }
-
-    fn deadlock(&self, others: &[model::RobotId]) -> Cause {
-        let problem = self.scene.problem();
-        let mut robots = vec![self.mode.robot];
-        robots.extend(others);
-        robots.sort_unstable();
-        robots.dedup();
-        Cause::Deadlock { robots: robots.into_iter().map(|robot| problem.robot(robot).name.clone()).collect() }
-    }
-
-    /// Robots in the way are a deadlock; objects (or nobody at all) leave no path.
-    fn causes(&self, mode: &Mode, in_the_way: &[Blocker]) -> Vec<Cause> {
-        let problem = self.scene.problem();
-        let robots: Vec<_> = in_the_way.iter().filter_map(Blocker::robot).collect();
-        let mut objects: Vec<_> = in_the_way.iter().filter_map(Blocker::object).collect();
-        objects.sort_unstable();
-        objects.dedup();
-        let mut causes = Vec::new();
-        if !objects.is_empty() || robots.is_empty() {
-            causes.push(Cause::NoPath {
-                pair: mode.pair.map(|pair| problem.pair(pair).name.clone()),
-                robot: problem.robot(mode.id.robot).name.clone(),
-                blocking: objects.iter().map(|m| BodyRef::Object(problem.movable[m.index()].name.clone())).collect(),
-            });
-        }
-        if !robots.is_empty() {
-            causes.push(self.deadlock(&robots));
-        }
-        causes
     }
 }
 

@@ -320,6 +320,7 @@ impl Toy {
     }
 
     /// The longer prefix and the time of the event.
+    #[allow(clippy::result_large_err)]
     pub fn commit(&self, prefix: Option<ProductRef>, mode: ModeId) -> Result<(ProductRef, f64), FailureReport> {
         let outcome = self.ask(&self.commit_job(prefix, mode, |_| ())).unwrap();
         outcome.result.map(|answer| match answer {
@@ -403,7 +404,7 @@ pub fn pair(index: usize) -> PairId {
 /// vertices that are used are a column apart, so that what stands at one is in the way of nobody's goal.
 pub fn random_world(dice: &mut Dice, columns: usize, rows: usize, robots: usize, errands: usize) -> World {
     let mut world = World::grid(columns, rows, 0.7);
-    let mut free: Vec<usize> = (0..columns * rows).filter(|v| v % columns % 2 == 0).collect();
+    let mut free: Vec<usize> = (0..columns * rows).filter(|v| (v % columns).is_multiple_of(2)).collect();
     let mut draw = |dice: &mut Dice| free.swap_remove(dice.below(free.len()));
     world.starts = (0..robots).map(|_| draw(dice)).collect();
     for robot in 0..robots {

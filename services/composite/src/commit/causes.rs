@@ -1,0 +1,42 @@
+//! Why a mode was not committed, naming who is in the way.
+
+use model::RobotId;
+use plan::{BodyRef, Cause};
+use skeleton::Mode;
+
+use crate::sipp::Blocker;
+
+use super::CommitJob;
+
+impl CommitJob<'_> {
+    /// The robot and others block one another.
+    pub(super) fn deadlock(&self, others: &[RobotId]) -> Cause {
+        let problem = self.scene.problem();
+        let mut robots = vec![self.mode.robot];
+        robots.extend(others);
+        robots.sort_unstable();
+        robots.dedup();
+        Cause::Deadlock { robots: robots.into_iter().map(|robot| problem.robot(robot).name.clone()).collect() }
+    }
+
+    /// Robots in the way are a deadlock; objects (or nobody at all) leave no path.
+    pub(super) fn causes(&self, mode: &Mode, in_the_way: &[Blocker]) -> Vec<Cause> {
+        let problem = self.scene.problem();
+        let robots: Vec<_> = in_the_way.iter().filter_map(Blocker::robot).collect();
+        let mut objects: Vec<_> = in_the_way.iter().filter_map(Blocker::object).collect();
+        objects.sort_unstable();
+        objects.dedup();
+        let mut causes = Vec::new();
+        if !objects.is_empty() || robots.is_empty() {
+            causes.push(Cause::NoPath {
+                pair: mode.pair.map(|pair| problem.pair(pair).name.clone()),
+                robot: problem.robot(mode.id.robot).name.clone(),
+                blocking: objects.iter().map(|m| BodyRef::Object(problem.movable[m.index()].name.clone())).collect(),
+            });
+        }
+        if !robots.is_empty() {
+            causes.push(self.deadlock(&robots));
+        }
+        causes
+    }
+}

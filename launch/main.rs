@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use launch::{
-    bench_command, check_command, export_command, init_command, plan_command, robot_command, schema_command,
-    view_command,
+    bench_command, check_command, export_command, init_command, plan_command, refine_command, robot_command,
+    schema_command, stage_command, view_command,
 };
 
 /// Multi-robot task and motion planning: refines a task plan into a plan that every robot executes on its own clock.
@@ -34,6 +34,10 @@ enum Command {
     Init(init_command::InitArgs),
     /// Prints the JSON Schema of a file format.
     Schema(schema_command::SchemaArgs),
+    /// Works on one stage of a run; started by the supervisor.
+    Stage(stage_command::StageArgs),
+    /// Searches in a run; started by the supervisor.
+    Refine(refine_command::RefineArgs),
 }
 
 fn main() -> ExitCode {
@@ -46,6 +50,8 @@ fn main() -> ExitCode {
         Command::Robot(args) => robot_command::run(&args),
         Command::Init(args) => init_command::run(&args),
         Command::Schema(args) => schema_command::run(&args),
+        Command::Stage(args) => stage_command::run(&args),
+        Command::Refine(args) => refine_command::run(&args),
     };
     ended.unwrap_or_else(|report| {
         eprintln!("{report:?}");

@@ -1,17 +1,25 @@
 //! `mrtamp plan`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use contract::{CompositeMethod, ProblemStatement};
+use contract::{AskFault, CompositeMethod, ProblemStatement};
+use miette::{IntoDiagnostic, Report};
+use refiner::End;
+use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::ending::Conclusion;
+use crate::exit::BadInput;
+use crate::in_process::RunEnd;
 use crate::packages::PackageArgs;
+use crate::processes::Members;
 use crate::progress::Progress;
-use crate::{in_process, problem_source};
+use crate::set::launch_file;
+use crate::{in_process, problem_source, processes};
 
 /// Arguments of `mrtamp plan`.
 #[derive(Args, Debug)]
@@ -82,7 +90,39 @@ pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
     let problem = problem_source::load_with(args.problem.as_deref(), &args.packages)?;
     let statement = Arc::new(ProblemStatement::new(problem, args.seed, args.composite.into()));
     let progress = Progress::new(statement.clone(), args.json);
-    let cancelled = Arc::new(AtomicBool::new(false));
-    let run = in_process::run(&statement, &cancelled, &progress)?;
+    let cancelled = cancelled_by_signal().into_diagnostic()?;
+    let time_limit = args.time_limit.map(time_limit).transpose()?;
+    let (statement, run) = if args.in_process {
+        let run = in_process::run(&statement, time_limit, &cancelled, &progress)?;
+        (statement, run)
+    } else {
+        let launch = launch_file::load(args.set.as_deref())?;
+        let (run, end) = processes::run(&statement, &launch, Members::Processes, time_limit, &cancelled, &progress)?;
+        keep_replay(&args.out, &run, end.replay.as_deref())?;
+        (end.statement, run)
+    };
     Conclusion { statement: &statement, out: &args.out, json: args.json, progress: &progress }.conclude(&run)
+}
+
+/// Set by the first signal to end; the second ends the program at once.
+fn cancelled_by_signal() -> std::io::Result<Arc<AtomicBool>> {
+    let cancelled = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, cancelled.clone())?;
+        signal_hook::flag::register(signal, cancelled.clone())?;
+    }
+    Ok(cancelled)
+}
+
+fn time_limit(seconds: f64) -> miette::Result<Duration> {
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|error| Report::new(BadInput::new(format!("--time-limit {seconds}: {error}"))))
+}
+
+/// Keeps a job that killed its workers, for the developers.
+fn keep_replay(out: &Path, run: &RunEnd, replay: Option<&[u8]>) -> miette::Result<()> {
+    let (End::Fault(AskFault::PoisonJob { replay: name, .. }), Some(bytes)) = (&run.refinement.end, replay) else {
+        return Ok(());
+    };
+    std::fs::create_dir_all(out).and_then(|()| std::fs::write(out.join(name), bytes)).into_diagnostic()
 }

@@ -36,6 +36,14 @@ impl Progress {
 
     /// A job was worked on.
     pub fn answered(&self, job: &Job, outcome: &Outcome) {
+        if let Some(line) = self.line_of(job, outcome) {
+            self.say(&format!("[{}] {line}", job.stage()));
+        }
+    }
+
+    /// What is worth saying about a job that was worked on.
+    #[must_use]
+    pub fn line_of(&self, job: &Job, outcome: &Outcome) -> Option<String> {
         let stage = job.stage();
         let count = match self.answered.lock() {
             Ok(mut answered) => {
@@ -47,15 +55,11 @@ impl Progress {
         match &outcome.result {
             Err(report) => {
                 let cause = report.causes.first().map_or(String::new(), |(cause, _)| crate::words::cause(cause));
-                self.say(&format!("[{stage}] {} failed: {cause}", self.subject(job)));
+                Some(format!("{} failed: {cause}", self.subject(job)))
             }
-            Ok(Answer::Placements(_) | Answer::Alternatives(_)) => {
-                self.say(&format!("[{stage}] {}", self.subject(job)));
-            }
-            Ok(_) if stage == StageKind::Roadmap && count.is_multiple_of(20) => {
-                self.say(&format!("[{stage}] {count} jobs answered"));
-            }
-            Ok(_) => {}
+            Ok(Answer::Placements(_) | Answer::Alternatives(_)) => Some(self.subject(job)),
+            Ok(_) if stage == StageKind::Roadmap && count.is_multiple_of(20) => Some(format!("{count} jobs answered")),
+            Ok(_) => None,
         }
     }
 

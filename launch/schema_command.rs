@@ -19,6 +19,8 @@ pub enum Format {
     Plan,
     /// `failure.json`.
     Failure,
+    /// Launch files.
+    Launch,
 }
 
 /// Prints a schema.
@@ -29,6 +31,7 @@ pub fn run(args: &SchemaArgs) -> miette::Result<ExitCode> {
     let schema = match args.format {
         Format::Plan => schemars::schema_for!(plan::Plan),
         Format::Failure => schemars::schema_for!(plan::Failure),
+        Format::Launch => schemars::schema_for!(crate::set::launch_file::LaunchFile),
     };
     println!("{}", serde_json::to_string_pretty(&schema).into_diagnostic()?);
     Ok(ExitCode::SUCCESS)

@@ -31,7 +31,7 @@ fn scene_path(name: &str) -> PathBuf {
 fn try_plan(problem: &Problem, seed: u64, composite: CompositeMethod) -> Result<Plan, End> {
     let statement = Arc::new(ProblemStatement::new(problem.clone(), seed, composite));
     let progress = Progress::new(statement.clone(), true);
-    let run = in_process::run(&statement, &Arc::new(AtomicBool::new(false)), &progress).unwrap();
+    let run = in_process::run(&statement, None, &Arc::new(AtomicBool::new(false)), &progress).unwrap();
     match run.plan {
         Some(product) => Ok(finished_plan(&statement, &run.refinement.ledger, &product).unwrap()),
         None => Err(run.refinement.end),

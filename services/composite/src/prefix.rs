@@ -1,7 +1,7 @@
 //! Reading committed motion.
 
 use contract::{Commitment, Interrupted, JobContext, Move, Prefix, Product, ProductRef};
-use model::{Holding, Problem};
+use model::{Holding, Problem, RobotId};
 
 use crate::Scene;
 
@@ -36,12 +36,15 @@ pub(crate) fn check_commitments(scene: &Scene, commitments: &[Commitment]) -> Re
     let mut next: Vec<(usize, f64, Vec<f64>)> = problem.robots.iter().map(|r| (0, 0.0, r.start.clone())).collect();
     for commitment in commitments {
         let robot = commitment.mode.robot.index();
-        let fits = |holding| is_holding_of(problem, robot, holding);
+        let fits = |holding| is_holding_of(problem, commitment.mode.robot, holding);
         let Some((step, ends_s, at)) = next.get_mut(robot) else {
             return Err(Interrupted::Unfit("a commitment of a robot that is none".into()));
         };
         let is_next = commitment.mode.step as usize == *step && *step < scene.skeleton.modes[robot].len();
-        if !is_next || !fits(commitment.holding) || !fits(commitment.tail_holding) {
+        let mode = scene.skeleton.modes[robot].get(*step);
+        let held = mode.filter(|mode| mode.is_holding()).and_then(|mode| mode.pair);
+        let holds = held.map(|pair| problem.pair(pair).object) == commitment.holding.map(|holding| holding.object);
+        if !is_next || !holds || !fits(commitment.holding) || !fits(commitment.tail_holding) {
             return Err(Interrupted::Unfit(format!("commitment {:?} is not its robot's next mode", commitment.mode)));
         }
         let dof = problem.robots[robot].coordinates.len();
@@ -69,9 +72,10 @@ fn check_moves(moves: &[Move], begins_s: f64, at: &[f64], dof: usize) -> Result<
     Ok((time_s, at))
 }
 
-fn is_holding_of(problem: &Problem, robot: usize, holding: Option<Holding>) -> bool {
+/// Whether a robot can hold this: nothing, or an object by one of its grasps for the robot.
+pub(crate) fn is_holding_of(problem: &Problem, robot: RobotId, holding: Option<Holding>) -> bool {
     holding.is_none_or(|Holding { object, grasp }| {
-        let grasps = problem.movable.get(object.index()).and_then(|object| object.grasps.get(robot));
+        let grasps = problem.movable.get(object.index()).and_then(|object| object.grasps.get(robot.index()));
         grasps.is_some_and(|grasps| grasp.index() < grasps.len())
     })
 }

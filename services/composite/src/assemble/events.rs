@@ -26,8 +26,8 @@ impl AssembleJob<'_> {
                     link_from_object = Some(world_from_link.inverse() * standing.world_from_object);
                 }
                 let grasp = self.assignment.grasps.get(event.pair.index());
-                let grasps = &problem.movable[pair.object.index()].grasps[r];
-                let grasp = grasp.and_then(|grasp| grasps.get(grasp.index()));
+                let grasps = problem.movable[pair.object.index()].grasps.get(r);
+                let grasp = grasp.zip(grasps).and_then(|(grasp, grasps)| grasps.get(grasp.index()));
                 let grasp = grasp.ok_or_else(|| Interrupted::Unfit("the assignment lacks a grasp".into()))?;
                 let knot = knots[r].at(c + 1).reach;
                 events.push(PlanEvent {

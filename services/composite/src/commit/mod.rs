@@ -17,6 +17,7 @@ pub(crate) use gates::Orders;
 use moves::Mover;
 
 use crate::points::same_configuration;
+use crate::prefix::is_holding_of;
 use crate::sipp::{Gates, ModeGraph, Search, Traffic};
 use crate::{Scene, Timeline, load_prefix};
 
@@ -96,10 +97,7 @@ impl CommitJob<'_> {
     }
 
     fn commit(&self, mode: &Mode, timeline: &Timeline, context: &mut JobContext<'_>) -> Result<Commitment, Unreached> {
-        let graph = ModeGraph::load(self.scene.problem(), mode.id, &self.roadmap, context)?;
-        if graph.roadmap.holding != self.holding(mode)? {
-            return Err(Interrupted::Unfit("the roadmap holds something else than the mode".into()).into());
-        }
+        let graph = self.load(mode, &self.roadmap, context)?;
         let order = self.scene.graph(self.assignment)?;
         let orders = Orders { scene: self.scene, graph: &order, timeline };
         if let Some(event) = orders.lacks_event(mode) {
@@ -111,11 +109,22 @@ impl CommitJob<'_> {
         let own = timeline.robot(mode.id.robot);
         let traffic = Traffic::new(&self.scene.conflicts, timeline, mode.id.robot, own.event_s());
         let gates = self.settle_gates(mode, gates, &graph, &traffic, &start)?;
-        let next = match &self.next_roadmap {
-            Some(next) => Some(ModeGraph::load(self.scene.problem(), next_of(mode.id), next, context)?),
-            None => None,
+        let next_mode = self.scene.skeleton.modes[mode.id.robot.index()].get(mode.id.step as usize + 1);
+        let next = match (&self.next_roadmap, next_mode) {
+            (Some(next), Some(next_mode)) => Some(self.load(next_mode, next, context)?),
+            _ => None,
         };
         self.search(mode, &graph, next.as_ref(), &traffic, timeline, gates, start, context)
+    }
+
+    /// The roadmap of a mode, holding what the mode holds.
+    fn load(&self, mode: &Mode, product: &ProductRef, context: &JobContext<'_>) -> Result<ModeGraph<'_>, Interrupted> {
+        let graph = ModeGraph::load(self.scene.problem(), mode.id, product, context)?;
+        let holding = graph.roadmap.holding;
+        if holding != self.holding(mode)? || !is_holding_of(self.scene.problem(), mode.id.robot, holding) {
+            return Err(Interrupted::Unfit("a roadmap holds something else than its mode".into()));
+        }
+        Ok(graph)
     }
 
     /// Where the search begins: after the hand's pause, or after the part of the tail that others count on.
@@ -265,8 +274,4 @@ fn begin_at(graph: &ModeGraph<'_>, vertex: VertexId, since_s: f64, mover: Mover)
     } else {
         Err(Interrupted::Unfit("the roadmap does not begin where the robot is".into()))
     }
-}
-
-fn next_of(mode: ModeId) -> ModeId {
-    ModeId { step: mode.step + 1, ..mode }
 }

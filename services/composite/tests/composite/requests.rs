@@ -76,13 +76,14 @@ fn commitments_that_jump_or_overlap_in_time_are_refused() {
     let toy = toy();
     let (prefix, _) = toy.commit(None, mode(0, 0)).unwrap();
     let good = toy.commitments(prefix);
-    let edits: [fn(&mut contract::Commitment); 6] = [
+    let edits: [fn(&mut contract::Commitment); 7] = [
         |c| c.moves[0].to[0] += 0.1,
         |c| c.moves[0].begins_s += 0.1,
         |c| c.moves[0].to[0] = f64::INFINITY,
         |c| c.event_s += 1.0,
         |c| c.mode.robot.0 = 9,
         |c| c.holding = Some(model::Holding { object: model::ObjectId(77), grasp: model::GraspId(0) }),
+        |c| c.tail_holding = Some(model::Holding { object: model::ObjectId(0), grasp: model::GraspId(9) }),
     ];
     for (i, edit) in edits.iter().enumerate() {
         let mut commitments = good.clone();
@@ -98,6 +99,13 @@ fn the_wrong_assignment_is_refused() {
     toy.assignment.poses[0].pop();
     let (prefix, _) = toy.commit(None, mode(0, 0)).unwrap();
     unfit(toy.ask(&toy.commit_job(Some(prefix), mode(0, 1), |_| ())), "no pose to put the object");
+    for pair in 0..3 {
+        toy.assignment.grasps[pair] = model::GraspId(9);
+    }
+    let no_grasp = |roadmap: &mut contract::ModeRoadmap| {
+        roadmap.holding.iter_mut().for_each(|holding| holding.grasp = model::GraspId(9));
+    };
+    unfit(toy.ask(&toy.commit_job(None, mode(1, 0), no_grasp)), "a grasp that is none");
     toy.assignment.grasps.clear();
     unfit(toy.ask(&toy.commit_job(Some(prefix), mode(0, 1), |_| ())), "no grasp");
 }

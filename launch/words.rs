@@ -1,7 +1,9 @@
 //! Causes, modes and results in a user's words.
 
+use std::collections::BTreeSet;
+
 use model::Problem;
-use plan::{BodyRef, Cause, PairPoint, PlanOrdering, ResultKind};
+use plan::{BodyRef, Cause, Certificate, Distance, DistanceLimit, PairEnd, PairPoint, PlanOrdering, ResultKind};
 use skeleton::ModeId;
 
 /// A mode, e.g. `r1.2 transfer`.
@@ -48,6 +50,52 @@ pub fn cause(cause: &Cause) -> String {
         }
         Cause::Deadlock { robots } => format!("{} block one another", robots.join(" and ")),
         Cause::Budget { stage } => format!("the work budget of {stage} was used up"),
+    }
+}
+
+/// What a certificate proves, in one sentence.
+#[must_use]
+pub fn proof(certificate: &Certificate) -> String {
+    match certificate {
+        Certificate::Cycle { exclusions, .. } => {
+            let regions: BTreeSet<&str> = exclusions.iter().map(|exclusion| exclusion.region.as_str()).collect();
+            let regions: Vec<&str> = regions.into_iter().collect();
+            format!("whichever object comes first to {}, the orderings contradict one another", regions.join(" and "))
+        }
+        Certificate::Area { region, region_area_m2, stays, .. } => {
+            let names: Vec<&str> = stays.iter().map(|cover| cover.stay.object.as_str()).collect();
+            let covered: f64 = stays.iter().map(|cover| cover.area_m2).sum();
+            let (covered, area) = (covered * 1e4, region_area_m2 * 1e4);
+            format!("{} have to be in {region} together: {covered:.1} cm² where there are {area:.1}", names.join(", "))
+        }
+        Certificate::ObjectTooLarge { object, region } => format!("{object} does not fit into {region} at any yaw"),
+        Certificate::Reach { robot, pair, end, region, distance, .. } => {
+            format!("{robot} cannot reach {region} to {} in {pair}: {}", verb(*end), out_of_reach(distance))
+        }
+        Certificate::NoCommonGrasp { robot, pair, grasps } => {
+            format!("each of the {} grasps of {robot} for {pair} is impossible at one of its ends", grasps.len())
+        }
+        Certificate::BaseDisconnected { robot, pair, end, region, .. } => {
+            format!("{robot} cannot drive to any place from which it could {} in {region} ({pair})", verb(*end))
+        }
+    }
+}
+
+fn verb(end: PairEnd) -> &'static str {
+    match end {
+        PairEnd::Pick => "pick",
+        PairEnd::Place => "place",
+    }
+}
+
+fn out_of_reach(distance: &Distance) -> String {
+    match distance.limit {
+        DistanceLimit::Far { greatest_m, nearest_m } => {
+            format!("the hand would have to be {nearest_m:.3} m from the shoulder, the arm reaches {greatest_m:.3} m")
+        }
+        DistanceLimit::Near { least_m, farthest_m } => {
+            format!("the hand would have to be {farthest_m:.3} m from the shoulder, the arm keeps {least_m:.3} m")
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A failure as the page's scripts read it: what was tried, and causes with the bodies that they name.
 
 use model::Problem;
-use plan::{BodyRef, Cause, Failure, PairPoint, ResultKind};
+use plan::{BodyRef, Cause, Certificate, Failure, PairPoint, ResultKind};
 use serde::Serialize;
 
 /// A failure in words and names.
@@ -22,29 +22,47 @@ struct Tried {
 
 #[derive(Serialize)]
 struct CauseData {
+    group: Group,
     words: String,
+    /// How often it was met; 0 for a proof.
     count: u64,
-    /// Whether it is a contact met while trying, rather than something of the task that could not be done.
-    contact: bool,
     /// What to highlight: `robot:<name>`, `link:<robot>/<link>`, `object:<name>`, `fixed:<name>`, `region:<name>`.
     bodies: Vec<String>,
+}
+
+/// What kind of cause it is: counts of different groups do not compare.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Group {
+    /// What a certificate proves.
+    Proof,
+    /// Something of the task that could not be done.
+    Task,
+    /// A contact met while trying.
+    Contact,
 }
 
 impl FailureData {
     /// A failure of a problem.
     #[must_use]
     pub fn of(problem: &Problem, failure: &Failure) -> Self {
+        let proof = failure.certificate.iter().map(|certificate| CauseData {
+            group: Group::Proof,
+            words: crate::words::proof(certificate),
+            count: 0,
+            bodies: distinct(proof_bodies(problem, certificate)),
+        });
         let causes = failure.causes.iter().map(|(cause, count)| CauseData {
+            group: if matches!(cause, Cause::Collision { .. }) { Group::Contact } else { Group::Task },
             words: crate::words::cause(cause),
             count: *count,
-            contact: matches!(cause, Cause::Collision { .. }),
-            bodies: bodies(problem, cause),
+            bodies: distinct(bodies(problem, cause)),
         });
         Self {
             result: failure.result,
             headline: crate::words::result(failure.result),
             tried: tried(problem, failure),
-            causes: causes.collect(),
+            causes: proof.chain(causes).collect(),
         }
     }
 }
@@ -77,7 +95,7 @@ fn tried(problem: &Problem, failure: &Failure) -> Tried {
 }
 
 fn bodies(problem: &Problem, cause: &Cause) -> Vec<String> {
-    let mut named = match cause {
+    match cause {
         Cause::Collision { first, second } => vec![body(first), body(second)],
         Cause::Overlap { region, leaves, comes } => {
             vec![of("region", region), of("object", leaves), of("object", comes)]
@@ -97,10 +115,34 @@ fn bodies(problem: &Problem, cause: &Cause) -> Vec<String> {
         }
         Cause::Deadlock { robots } => robots.iter().map(|robot| of("robot", robot)).collect(),
         Cause::Budget { .. } => Vec::new(),
-    };
-    named.sort();
-    named.dedup();
-    named
+    }
+}
+
+fn proof_bodies(problem: &Problem, certificate: &Certificate) -> Vec<String> {
+    match certificate {
+        Certificate::Cycle { exclusions, .. } => exclusions
+            .iter()
+            .flat_map(|exclusion| {
+                let objects = exclusion.stays.iter().map(|cover| of("object", &cover.stay.object));
+                objects.chain([of("region", &exclusion.region)]).collect::<Vec<_>>()
+            })
+            .collect(),
+        Certificate::Area { region, stays, .. } => {
+            let objects = stays.iter().map(|cover| of("object", &cover.stay.object));
+            objects.chain([of("region", region)]).collect()
+        }
+        Certificate::ObjectTooLarge { object, region } => vec![of("object", object), of("region", region)],
+        Certificate::Reach { robot, region, .. } | Certificate::BaseDisconnected { robot, region, .. } => {
+            vec![of("robot", robot), of("region", region)]
+        }
+        Certificate::NoCommonGrasp { pair, .. } => pair_bodies(problem, pair),
+    }
+}
+
+fn distinct(mut names: Vec<String>) -> Vec<String> {
+    names.sort();
+    names.dedup();
+    names
 }
 
 fn of(kind: &str, name: &str) -> String {

@@ -135,22 +135,22 @@ class FailurePanel {
     this.putCauses(causes, choose);
   }
 
-  /** What could not be done, and what was touched while trying: counts of the two do not compare. */
   putCauses(element, choose) {
     this.buttons = new Map();
     const { causes } = this.failure;
-    for (const [heading, contact] of [["What could not be done", false], ["What was touched while trying", true]]) {
-      const group = causes.filter((cause) => cause.contact === contact);
+    const headings = { proof: "Proof", task: "What could not be done, most frequent first", contact: "What was touched while trying, most frequent first" };
+    for (const [name, heading] of Object.entries(headings)) {
+      const group = causes.filter((cause) => cause.group === name);
       if (!group.length) continue;
-      const section = put(element, "div", "group");
-      put(section, "h2", "", `${heading}, most frequent first`);
+      const section = put(element, "div", `group ${name}`);
+      put(section, "h2", "", heading);
       const list = put(section, "ol", "causes");
       const most = Math.max(1, ...group.map((cause) => cause.count));
       for (const cause of group) {
         const button = put(put(list, "li"), "button", "cause");
         button.type = "button";
         button.style.setProperty("--share", `${(100 * cause.count) / most}%`);
-        put(button, "b", "", `${cause.count.toLocaleString("en")} ×`);
+        if (name !== "proof") put(button, "b", "", `${cause.count.toLocaleString("en")} ×`);
         put(button, "span", "", cause.words);
         button.addEventListener("click", () => choose(cause));
         this.buttons.set(cause, button);

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use model::{Point, Pose, Problem, Robot};
 use nalgebra::{Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
-use plan::{BodyRef, Cause, Failure, PairPoint, Plan, ResultKind, StageCount};
+use plan::{BodyRef, Cause, Certificate, Cover, Failure, PairPoint, Plan, ResultKind, StageCount, Stay};
 use serde_json::Value;
 
 use super::point_times::point_time;
@@ -198,6 +198,35 @@ fn every_body_that_a_cause_names_is_in_the_scene_of_its_page() {
             assert!(known.iter().any(|name| body == name), "{body} of {cause}");
         }
         assert_eq!(cause["count"], 2);
+    }
+}
+
+#[test]
+fn a_proof_comes_before_the_causes_and_names_what_it_is_about() {
+    let problem = problem("figure1");
+    let certificates = [
+        Certificate::ObjectTooLarge { object: "m1".into(), region: "w4".into() },
+        Certificate::NoCommonGrasp { robot: "r1".into(), pair: "r1.1".into(), grasps: Vec::new() },
+        Certificate::Area {
+            region: "w3".into(),
+            region_area_m2: 0.16,
+            stays: vec![Cover { stay: Stay { object: "m2".into(), placed_by: None }, area_m2: 0.17 }],
+            together: Vec::new(),
+        },
+    ];
+    let expected = [
+        ("m1 does not fit into w4 at any yaw", vec!["object:m1", "region:w4"]),
+        ("each of the 0 grasps of r1 for r1.1 is impossible", vec!["object:m1", "region:w1", "region:w3", "robot:r1"]),
+        ("m2 have to be in w3 together: 1700.0 cm² where there are 1600.0", vec!["object:m2", "region:w3"]),
+    ];
+    for (certificate, (words, bodies)) in certificates.into_iter().zip(expected) {
+        let mut failure = failure(vec![(Cause::Deadlock { robots: vec!["r1".into()] }, 1)]);
+        failure.certificate = Some(certificate);
+        let page = data(&failure_page(&problem, &failure).unwrap());
+        let [proof, cause] = page["failure"]["causes"].as_array().unwrap().as_slice() else { panic!("not two") };
+        assert_eq!((&proof["group"], &cause["group"]), (&"proof".into(), &"task".into()));
+        assert!(proof["words"].as_str().unwrap().contains(words), "{proof}");
+        assert_eq!(proof["bodies"], serde_json::json!(bodies));
     }
 }
 

@@ -45,7 +45,7 @@ class Viewer {
     this.following = -1;
     this.shown = { labels: true, paths: true, glass: false };
     this.only = undefined;
-    this.cause = data.failure && (data.failure.causes.find((cause) => !cause.contact) || data.failure.causes[0]);
+    this.cause = data.failure && (data.failure.causes.find((cause) => cause.group !== "contact") || data.failure.causes[0]);
     this.tip = new Tip($("tip"));
     this.paths = new Map();
     this.labels = new Labels($("labels"));

@@ -4,6 +4,8 @@
 
 mod command_line;
 mod delays;
+mod foreign_placement;
+mod processes;
 mod scenes;
 
 use std::path::PathBuf;

@@ -90,7 +90,8 @@ pub(crate) fn check_distance<'g>(
             holds.then_some(()).ok_or_else(|| format!("the hand may have to be as near as {nearest} m"))
         }
         DistanceLimit::Near { least_m, farthest_m } => {
-            if !(arm.range.0 >= least_m - ROUNDING) {
+            let keeps_off = arm.range.0 >= least_m - ROUNDING;
+            if !keeps_off {
                 return Err(format!("the hand of {} comes as near as {} m", robot.name, arm.range.0));
             }
             let farthest = places.free().map(|place| arm.farthest(place, places.spread)).fold(0.0, f64::max);

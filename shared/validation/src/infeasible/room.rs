@@ -114,7 +114,8 @@ pub(crate) fn check_crowd(
         return Err(format!("{} has {} m² within its margin, not {region_area}", model.name, rectangle.area()));
     }
     let claimed: f64 = stays.iter().map(|(_, area)| area).sum();
-    if !(claimed > region_area * (1.0 + 2.0 * SLACK)) {
+    let exceeds = claimed > region_area * (1.0 + 2.0 * SLACK);
+    if !exceeds {
         return Err(format!("{claimed} m² are no more than the {region_area} m² of {}", model.name));
     }
     let guests = stays.iter().map(|(stay, _)| Guest::of(problem, stay, region, &rectangle));

@@ -14,7 +14,7 @@ pub const TRAVEL: f64 = 0.75;
 pub const TABLES: [f64; 3] = [-1.0, 0.0, 1.0];
 
 /// Pick at (x, 0) and place at (to, 0) by a gantry that starts at home and comes back.
-fn gantry_pair(writer: &mut Writer, pair: model::PairId, home: &[f64], from: f64, to: f64) {
+pub fn gantry_pair(writer: &mut Writer, pair: model::PairId, home: &[f64], from: f64, to: f64) {
     writer.begin(Some(pair));
     for (x, kind) in [(from, EventKind::Attach), (to, EventKind::Detach)] {
         writer.go(SegmentKind::Reach, &[x, 0.0, TRAVEL]).go(SegmentKind::Reach, &[x, 0.0, GRASP]);

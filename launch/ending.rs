@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use contract::{Ledger, ProblemStatement, StageKind};
 use miette::{Context, IntoDiagnostic};
-use plan::{Cause, Failure, Origin, Plan, Provenance, ResultKind, StageCount};
+use plan::{Cause, Certificate, Failure, Origin, Plan, Provenance, ResultKind, StageCount};
 use refiner::End;
 use serde::Serialize;
 
@@ -69,7 +69,9 @@ impl Conclusion<'_> {
         match (&run.refinement.end, &run.plan) {
             (End::Solved { .. }, Some(bytes)) => self.solved(run, bytes),
             (End::Solved { .. }, None) => Err(miette::miette!("the plan's product is lost")),
-            (End::Failed { result, causes }, _) => self.failed(run, *result, causes),
+            (End::Failed { result, causes, certificate }, _) => {
+                self.failed(run, self.failure(run, *result, causes, certificate.as_ref()))
+            }
             (End::Fault(fault), _) => Err(miette::miette!("{fault}")),
         }
     }
@@ -102,15 +104,36 @@ impl Conclusion<'_> {
         Ok(ExitCode::from(exit::SOLVED))
     }
 
-    fn failed(&self, run: &RunEnd, result: ResultKind, causes: &[(Cause, u64)]) -> miette::Result<ExitCode> {
+    /// What `failure.json` says. Nothing is called proven unless the checker verifies the certificate.
+    fn failure(
+        &self,
+        run: &RunEnd,
+        result: ResultKind,
+        causes: &[(Cause, u64)],
+        certificate: Option<&Certificate>,
+    ) -> Failure {
         let failure = Failure {
             format: plan::FAILURE_FORMAT.to_owned(),
             problem: self.statement.problem.name.clone(),
             result,
             causes: causes.to_vec(),
+            certificate: certificate.cloned(),
             stages: run.refinement.stages.clone(),
             provenance: provenance(self.statement, &run.refinement.ledger),
         };
+        match validation::check_failure(&self.statement.problem, &failure) {
+            Ok(()) => failure,
+            Err(violations) => {
+                for violation in violations {
+                    eprintln!("[checker] refuses the certificate: {}", violation.message);
+                }
+                Failure { result: ResultKind::SamplesExhausted, certificate: None, ..failure }
+            }
+        }
+    }
+
+    fn failed(&self, run: &RunEnd, failure: Failure) -> miette::Result<ExitCode> {
+        let (result, causes) = (failure.result, failure.causes.as_slice());
         write(self.out, "failure.json", &plan::write_failure(&failure).into_diagnostic()?)?;
         let page = view::failure_page(&self.statement.problem, &failure).into_diagnostic()?;
         write(self.out, "failure.html", page.as_bytes())?;

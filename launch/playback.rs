@@ -104,7 +104,7 @@ impl<'a> Playback<'a> {
     #[must_use]
     pub fn opening(&self, robot: RobotId, t: f64) -> f64 {
         let name = &self.plan.robots[robot.index()].name;
-        let last = self.plan.events.iter().filter(|event| event.robot == *name && event.t <= t).next_back();
+        let last = self.plan.events.iter().rfind(|event| event.robot == *name && event.t <= t);
         match last {
             Some(event) if event.kind == EventKind::Attach => event.opening,
             _ => self.problem.robot(robot).end_effector.max_opening,

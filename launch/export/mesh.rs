@@ -132,9 +132,9 @@ fn cylinder(radius: f64, half: f64) -> Mesh {
 
 fn hull(points: &[Point3<f64>]) -> Mesh {
     let mut mesh = Mesh::default();
-    if let Some((corners, faces)) = collision::hull_faces(points) {
-        for face in faces {
-            mesh.triangle(face.map(|corner| corners[corner as usize]));
+    if let Some(surface) = collision::hull_surface(points) {
+        for face in surface.faces {
+            mesh.triangle(face.map(|corner| surface.corners[corner as usize]));
         }
     }
     mesh

@@ -205,7 +205,7 @@ fn shape(shape: &Shape) -> ShapeData {
         Shape::Cylinder { radius, length } => ShapeData::Cylinder([*radius, *length]),
         Shape::Capsule { radius, length } => ShapeData::Capsule([*radius, *length]),
         Shape::Hull { points } => {
-            let (corners, faces) = collision::hull_faces(points).unwrap_or_default();
+            let collision::HullSurface { corners, faces } = collision::hull_surface(points).unwrap_or_default();
             ShapeData::Hull { corners: corners.iter().map(|p| [p.x, p.y, p.z].map(rounded)).collect(), faces }
         }
     }

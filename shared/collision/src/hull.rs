@@ -53,17 +53,25 @@ fn reduced(points: &[Vector3<f64>], tolerance: f64) -> Option<Vec<Vector3<f64>>>
     enough.then(|| corners.iter().map(|p| Vector3::new(p.x, p.y, p.z)).collect())
 }
 
-/// Corners and faces of the hull of points that span a volume, for drawing it: each face lists three corners,
-/// counter-clockwise seen from outside. `None` for flat or non-finite sets.
+/// The surface of a hull, for drawing it.
+#[derive(Clone, Debug, Default)]
+pub struct HullSurface {
+    /// Corners (m).
+    pub corners: Vec<Point3<f64>>,
+    /// Three corners each, counter-clockwise seen from outside.
+    pub faces: Vec<[u32; 3]>,
+}
+
+/// The surface of the hull of points that span a volume; `None` for flat or non-finite sets.
 #[must_use]
-pub fn hull_faces(points: &[Point3<f64>]) -> Option<(Vec<Point3<f64>>, Vec<[u32; 3]>)> {
+pub fn hull_surface(points: &[Point3<f64>]) -> Option<HullSurface> {
     if !points.iter().all(|p| p.coords.iter().all(|c| c.is_finite())) {
         return None;
     }
     let as_given: Vec<Vector> = points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
     let (corners, faces) = try_convex_hull(&as_given).ok()?;
     let enough = faces.len() >= 4;
-    enough.then(|| (corners.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect(), faces))
+    enough.then(|| HullSurface { corners: corners.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect(), faces })
 }
 
 /// The farthest corner in a direction; the origin if there is none.
@@ -111,14 +119,14 @@ mod tests {
         let mut points: Vec<Point3<f64>> =
             (0..8).map(|i| Point3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1))).collect();
         points.push(Point3::new(0.5, 0.5, 2.0));
-        let (corners, faces) = hull_faces(&points).unwrap();
+        let HullSurface { corners, faces } = hull_surface(&points).unwrap();
         let volume: f64 = faces
             .iter()
             .map(|face| face.map(|i| corners[i as usize].coords))
             .map(|[a, b, c]| a.cross(&b).dot(&c) / 6.0)
             .sum();
         assert!((volume - 4.0 / 3.0).abs() < 1e-12, "a cube and a pyramid of height 1 on it: {volume}");
-        assert!(hull_faces(&points[..4]).is_none(), "a square has no volume");
+        assert!(hull_surface(&points[..4]).is_none(), "a square has no volume");
     }
 
     #[test]

@@ -20,7 +20,7 @@ mod sweep;
 
 pub use contact::{BodyName, Contact};
 pub use geometry::{Geometry, GeometryError};
-pub use hull::hull_faces;
+pub use hull::{HullSurface, hull_surface};
 pub use model::{AllowedContacts, Holding, Standing};
 pub use motion::Motion;
 pub use sweep::Sweep;

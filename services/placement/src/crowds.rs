@@ -16,18 +16,21 @@ const MOST_IN_A_QUEUE: usize = 9;
 #[derive(Clone, Debug)]
 pub(crate) struct Need {
     /// Pairs of sites that cannot all stay apart.
-    pub pairs: Vec<(usize, usize)>,
+    pub pairs: Crowd,
     /// Orders of which every larger set with solutions has at least one.
     pub helpful: Vec<u64>,
     /// How many orders are lacking, at least.
     pub least: usize,
 }
 
+/// Pairs of sites that cannot all stay apart.
+type Crowd = Vec<(usize, usize)>;
+
 /// What is known of sites that do not go together. It rests on samples and unconditional nogoods alone.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Crowds {
-    /// Pairs of sites that cannot all stay apart, crowd by crowd, small crowds first.
-    known: Vec<Vec<(usize, usize)>>,
+    /// Small crowds first.
+    known: Vec<Crowd>,
     /// Sites of which no two can be taken at once: they must queue.
     queue: Vec<usize>,
 }
@@ -36,9 +39,9 @@ impl Crowds {
     /// What the known crowds say of an order on events, if one of them stands in its way; `usable` are the orders that
     /// may be added to it. Of several crowds the one is named that the fewest orders help.
     pub fn need(&self, layout: &Layout, graph: &EventGraph, usable: &[u64]) -> Option<Need> {
-        let all_meet = |pairs: &&Vec<(usize, usize)>| pairs.iter().all(|(a, b)| layout.may_coexist(graph, *a, *b));
+        let all_meet = |pairs: &&Crowd| pairs.iter().all(|(a, b)| layout.may_coexist(graph, *a, *b));
         let mut helpful_of_pair = BTreeMap::new();
-        let mut met: Vec<(Vec<u64>, &Vec<(usize, usize)>)> = Vec::new();
+        let mut met: Vec<(Vec<u64>, &Crowd)> = Vec::new();
         for pairs in self.known.iter().filter(all_meet) {
             let mut helpful = vec![0; usable.len()];
             for pair in pairs {
@@ -61,30 +64,33 @@ impl Crowds {
         Some(Need { pairs: pairs.clone(), helpful, least })
     }
 
-    /// Learns a crowd, as small as it can be found, among sites that `network` shows to be one.
+    /// Learns a crowd, as small as it can be found, among sites that `network` shows to be one. Answers with the number of
+    /// values tried.
     pub fn learn(
         &mut self,
         layout: &Layout,
         network: &Network,
         mut sites: Vec<usize>,
-        limit: u64,
+        tries: u64,
         overlaps: &mut dyn Overlaps,
-    ) -> Result<(), Stop> {
-        let mut kept = 0;
+    ) -> Result<u64, Stop> {
+        let (mut kept, mut tried) = (0, 0);
         while kept < sites.len() {
             let mut fewer = sites.clone();
             fewer.remove(kept);
-            match solve(network, &fewer, limit, overlaps)? {
+            let mut left = tries;
+            match solve(network, &fewer, &mut left, overlaps)? {
                 Solvability::AtFault(at_fault) => sites = at_fault,
                 Solvability::Solution(_) | Solvability::Undecided(_) => kept += 1,
             }
+            tried += tries - left;
         }
         let pairs = network.apart_among(&sites);
         self.known.insert(self.known.partition_point(|other| other.len() <= pairs.len()), pairs.clone());
         if let (true, [(a, b)]) = (self.queue.is_empty(), &pairs[..]) {
             self.queue = self.longest_queue(layout, network, [*a, *b], overlaps)?;
         }
-        Ok(())
+        Ok(tried)
     }
 
     /// Grows a pair to sites of which every two collide at all samples. Such pairs are learnt as crowds.

@@ -75,16 +75,14 @@ impl Footprint {
     pub fn room(&self, rectangle: &Rectangle, yaw: f64) -> Option<Room> {
         let (low, high) = self.bounds(yaw);
         let mut room = Room { least: [0.0; 2], greatest: [0.0; 2] };
+        let mut fits = true;
         for i in 0..2 {
             let (least, greatest) = (-rectangle.size[i] / 2.0 - low[i], rectangle.size[i] / 2.0 - high[i]);
-            let slack = greatest - least;
-            if !(slack >= -FIT_TOLERANCE) {
-                return None;
-            }
             let middle = (least + greatest) / 2.0;
             (room.least[i], room.greatest[i]) = (least.min(middle), greatest.max(middle));
+            fits &= greatest - least >= -FIT_TOLERANCE;
         }
-        Some(room)
+        fits.then_some(room)
     }
 }
 

@@ -75,6 +75,12 @@ impl Layout {
         Self { sites, neighbours, orders, graph: skeleton.graph.clone(), pairs: problem.pairs.len() }
     }
 
+    /// All pairs of neighbours, the smaller site first.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let of_site = |(a, others): (usize, &Vec<usize>)| others.iter().map(move |b| (a, *b)).collect::<Vec<_>>();
+        self.neighbours.iter().enumerate().flat_map(of_site).filter(|(a, b)| a < b)
+    }
+
     /// The order that would put `first` before `second`, if there is one at all.
     pub fn order_events(&self, first: usize, second: usize) -> Option<(Event, Event)> {
         self.sites[first].leaves.zip(self.sites[second].comes)

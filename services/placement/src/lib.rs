@@ -36,6 +36,7 @@ mod slots;
 mod solutions;
 mod solve;
 mod stage;
+mod verdict;
 mod world;
 
 pub use stage::PlacementStage;

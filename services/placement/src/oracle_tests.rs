@@ -14,7 +14,8 @@ use crate::enumeration::Enumeration;
 use crate::layout::Layout;
 use crate::network::{Overlaps, Stop};
 use crate::nogoods::Nogoods;
-use crate::order_sets::OrderSets;
+use crate::order_sets::{OrderSets, Patience};
+use crate::verdict::Judge;
 
 struct Random(u64);
 
@@ -145,14 +146,15 @@ impl Instance {
     }
 
     /// All candidates in the order in which the enumeration gives them.
-    fn enumerated(&mut self) -> Vec<Candidate> {
+    fn enumerated(&mut self, patience: Patience) -> Vec<Candidate> {
         let layout = Layout::new(&self.problem, &self.skeleton, |_, _| true);
         let mut domains = BitRows::new(self.sizes.len(), 5);
         for (site, size) in self.sizes.iter().enumerate() {
             (0..*size).for_each(|value| bits::insert(domains.row_mut(site), value));
         }
         let nogoods = Nogoods::new(&self.nogoods, &layout, 5);
-        let mut enumeration = Enumeration::new(OrderSets::new(&self.problem, &layout, &domains, nogoods));
+        let mut enumeration =
+            Enumeration::new(OrderSets::new(Judge::new(&self.problem, &layout, &domains, nogoods), patience));
         let mut all = Vec::new();
         while let Some(solved) = enumeration.next(&mut self.tables).unwrap() {
             let events = |order: &usize| (layout.orders[*order].before, layout.orders[*order].after);
@@ -359,7 +361,7 @@ fn the_enumeration_is_that_of_brute_force_in_the_documented_order() {
     let (mut candidates, mut with_orders, mut most_orders) = (0, 0, 0);
     for seed in 0..5000 {
         let mut instance = Instance::random(seed);
-        let found = instance.enumerated();
+        let found = instance.enumerated(Patience::default());
         let expected = Brute::new(&instance).all();
         let sorted = |list: &[Candidate]| list.iter().cloned().collect::<BTreeSet<Candidate>>();
         assert_eq!(sorted(&found), sorted(&expected), "seed {seed}");
@@ -378,6 +380,21 @@ fn the_enumeration_is_that_of_brute_force_in_the_documented_order() {
     assert!(candidates > 10_000 && with_orders > 1_500 && most_orders >= 3, "{candidates} {with_orders} {most_orders}");
 }
 
+#[test]
+fn a_hasty_enumeration_finds_the_same_candidates_in_another_order() {
+    let mut disorder = 0;
+    for seed in 0..5000 {
+        let mut instance = Instance::random(seed);
+        let found = instance.enumerated(Patience { work: 1 + seed % 7, tries: 1 + seed % 5, steps: 1 + seed % 3 });
+        let expected = Brute::new(&instance).all();
+        let set: BTreeSet<&Candidate> = found.iter().collect();
+        assert_eq!(set, expected.iter().collect(), "seed {seed}");
+        assert_eq!(found.len(), expected.len(), "seed {seed}: something comes twice");
+        disorder += usize::from(found != instance.enumerated(Patience::default()));
+    }
+    assert!(disorder > 60, "{disorder}");
+}
+
 /// Two robots bring one object each to a region of its own; in each region only one sample is free of the other's.
 #[test]
 fn a_combination_off_the_diagonal_of_two_regions_is_found() {
@@ -392,7 +409,7 @@ fn a_combination_off_the_diagonal_of_two_regions_is_found() {
         }
     }
     let mut instance = Instance { problem, skeleton, sizes, tables, nogoods: vec![] };
-    let found = instance.enumerated();
+    let found = instance.enumerated(Patience::default());
     assert_eq!(found.len(), 1, "neither object leaves again: no order can part them");
     assert_eq!((found[0].values[1], found[0].values[3]), (1, 3));
 }

@@ -1,8 +1,10 @@
 //! Solutions of one component of a network, one after another, by effort and then lexicographically.
 
-use crate::bits;
-use crate::bits::BitRows;
+use std::collections::BTreeSet;
+
+use crate::bits::{self, BitRows};
 use crate::network::{Network, Overlaps, Stop};
+use crate::solve::{Solvability, solve};
 
 /// What a value costs: the bit length of its index, so 0, 1, 2, 2, 3, 3, 3, 3, 4… A search by least total effort treats
 /// all hops alike, yet comes to late samples of a single hop long before it has tried every combination of earlier ones.
@@ -29,8 +31,8 @@ pub(crate) struct Component {
     /// Whether there is none left.
     pub exhausted: bool,
     greatest_effort: u32,
-    /// A solution that came out of turn.
-    preferred: Option<Vec<usize>>,
+    /// Solutions that came out of turn.
+    preferred: BTreeSet<Vec<usize>>,
     chosen: Vec<Option<usize>>,
     path: Vec<Frame>,
 }
@@ -53,7 +55,7 @@ impl Component {
                 None => (low, high, false),
             });
         let (found, chosen, path) = (Vec::new(), vec![None; network.len()], Vec::new());
-        Self { sites, found, level, exhausted: !solvable, greatest_effort, preferred: None, chosen, path }
+        Self { sites, found, level, exhausted: !solvable, greatest_effort, preferred: BTreeSet::new(), chosen, path }
     }
 
     /// Searches until the next solution, to the end of a level, or for `steps`. Either `found` grows, or `level`, or it is
@@ -118,14 +120,28 @@ impl Component {
     pub fn prefer(&mut self, values: &[usize]) {
         let values: Vec<usize> = self.sites.iter().map(|site| values[*site]).collect();
         let effort = values.iter().map(|value| effort(*value)).sum();
-        self.preferred = Some(values.clone());
+        self.preferred.insert(values.clone());
         self.found.push(Solution { effort, values });
+    }
+
+    /// Looks for any further solution, out of turn.
+    pub fn leap(&mut self, network: &Network, mut tries: u64, overlaps: &mut dyn Overlaps) -> Result<(), Stop> {
+        let mut rest = network.clone();
+        for solution in &self.found {
+            rest.ban(self.sites.iter().copied().zip(solution.values.iter().copied()).collect());
+        }
+        match solve(&rest, &self.sites, &mut tries, overlaps)? {
+            Solvability::Solution(values) => self.prefer(&values),
+            Solvability::AtFault(_) => self.exhausted = true,
+            Solvability::Undecided(_) => {}
+        }
+        Ok(())
     }
 
     /// Keeps the chosen values as a solution, unless it is the preferred one. `true`: it is kept.
     fn keep_solution(&mut self, effort: u32) -> bool {
         let values: Vec<usize> = self.sites.iter().filter_map(|site| self.chosen[*site]).collect();
-        let is_new = self.preferred.as_ref() != Some(&values);
+        let is_new = !self.preferred.contains(&values);
         if is_new {
             self.found.push(Solution { effort, values });
         }

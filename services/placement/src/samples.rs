@@ -22,8 +22,11 @@ pub(crate) struct Samples {
     /// Work units that the tests of single poses cost.
     work: u64,
     /// `collisions[site][neighbour][value]`: values of that neighbour, once asked for.
-    collisions: Vec<Vec<Vec<Option<Box<[u64]>>>>>,
+    collisions: Vec<Vec<Vec<Row>>>,
 }
+
+/// A set of values; unknown at first.
+type Row = Option<Box<[u64]>>;
 
 impl Samples {
     /// Draws `count` poses for each hop and tests each alone. Pays before every test, so that it can be broken off.

@@ -6,11 +6,8 @@ use std::collections::BinaryHeap;
 use crate::network::{Network, Overlaps, Stop};
 use crate::ordered::Component;
 
-/// Steps in search of the first solution in order, after which a known one is taken.
-const PATIENCE: u64 = 20_000;
-
-/// A lazy enumeration of the solutions of a network by (effort, values). Where the first one is hard to find, a known
-/// solution comes before it.
+/// A lazy enumeration of the solutions of a network by (effort, values). Where the next one is hard to find, another
+/// solution may come before it.
 #[derive(Clone, Debug)]
 pub(crate) struct Solutions {
     network: Network,
@@ -20,6 +17,8 @@ pub(crate) struct Solutions {
     last: Option<Combination>,
     /// A solution, until the enumeration has begun.
     known: Option<Vec<usize>>,
+    /// Steps in search of the next solution in order, after which any solution is taken.
+    patience: u64,
 }
 
 /// One solution for each component. Ordered by effort, then values; what is unresolved comes before its like.
@@ -38,9 +37,9 @@ struct Combination {
 
 impl Solutions {
     /// All solutions of a network of which one is known.
-    pub fn new(network: Network, known: Vec<usize>) -> Self {
+    pub fn new(network: Network, known: Vec<usize>, patience: u64) -> Self {
         let components = network.components().into_iter().map(|sites| Component::new(&network, sites)).collect();
-        Self { network, components, frontier: BinaryHeap::new(), last: None, known: Some(known) }
+        Self { network, components, frontier: BinaryHeap::new(), last: None, known: Some(known), patience }
     }
 
     /// The next solution: a value for each site.
@@ -65,7 +64,7 @@ impl Solutions {
     }
 
     fn begin(&mut self, known: &[usize], overlaps: &mut dyn Overlaps) -> Result<(), Stop> {
-        let mut steps = PATIENCE;
+        let mut steps = self.patience;
         for component in &mut self.components {
             while component.found.is_empty() && !component.exhausted && steps > 0 {
                 component.search(&self.network, &mut steps, overlaps)?;
@@ -107,7 +106,11 @@ impl Solutions {
     fn resolve(&mut self, mut at: Combination, overlaps: &mut dyn Overlaps) -> Result<Option<Combination>, Stop> {
         let component = &mut self.components[at.raised];
         if component.found.len() <= at.picks[at.raised] {
-            component.search(&self.network, &mut { u64::MAX }, overlaps)?;
+            let mut steps = self.patience;
+            component.search(&self.network, &mut steps, overlaps)?;
+            if steps == 0 {
+                component.leap(&self.network, self.patience, overlaps)?;
+            }
         }
         let (found, level, exhausted) = (component.found.len(), component.level, component.exhausted);
         if found > at.picks[at.raised] {

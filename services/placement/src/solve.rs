@@ -17,15 +17,15 @@ pub(crate) enum Solvability {
     Undecided(usize),
 }
 
-/// Searches for values of `sites` (ascending), trying at most `limit` values.
+/// Searches for values of `sites` (ascending), trying at most as many values as are `left`.
 pub(crate) fn solve(
     network: &Network,
     sites: &[usize],
-    limit: u64,
+    left: &mut u64,
     overlaps: &mut dyn Overlaps,
 ) -> Result<Solvability, Stop> {
     let len = network.len();
-    let mut search = Search { network, sites, overlaps, chosen: vec![None; len], wiped_out: vec![0; len], left: limit };
+    let mut search = Search { network, sites, overlaps, chosen: vec![None; len], wiped_out: vec![0; len], left };
     Ok(match search.extend(&network.domains, &BitRows::new(len, len))? {
         End::Solved => Solvability::Solution(search.chosen.iter().map(|value| value.unwrap_or(0)).collect()),
         End::Conflict(conflict) => Solvability::AtFault(bits::indices(&conflict.involved).collect()),
@@ -44,7 +44,7 @@ struct Search<'a> {
     /// How often each site was left without a value.
     wiped_out: Vec<u64>,
     /// Values that may still be tried.
-    left: u64,
+    left: &'a mut u64,
 }
 
 enum End {
@@ -89,7 +89,7 @@ impl Search<'_> {
     /// Leaves the value chosen if that is a part of a solution.
     fn try_value(&mut self, site: usize, value: usize, domains: &BitRows, pruned_by: &BitRows) -> Result<End, Stop> {
         let Some(left) = self.left.checked_sub(1) else { return Ok(End::Limit) };
-        self.left = left;
+        *self.left = left;
         self.overlaps.spend(1)?;
         let (mut domains, mut pruned_by) = (domains.clone(), pruned_by.clone());
         self.chosen[site] = Some(value);

@@ -16,9 +16,10 @@ use skeleton::Skeleton;
 use crate::enumeration::{Enumeration, Solved};
 use crate::network::Stop;
 use crate::nogoods::Nogoods;
-use crate::order_sets::OrderSets;
+use crate::order_sets::{OrderSets, Patience};
 
 use crate::samples::{Paid, Samples};
+use crate::verdict::Judge;
 use crate::world::World;
 use crate::{proof, report};
 
@@ -64,8 +65,8 @@ impl PlacementStage {
         }
         let mut drawn = self.drawn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let mut search = Search { world, job, count: samples as usize, found: Vec::new() };
-        let end = search.run(&mut drawn, context);
-        search.outcome(end, context.spent())
+        let end = search.run(&mut drawn, context)?;
+        Ok(search.outcome(end, context.spent()))
     }
 }
 
@@ -87,49 +88,70 @@ struct Search<'a> {
     found: Vec<PlacementCandidate>,
 }
 
+/// How the work on a job ended.
+enum End {
+    /// All that was asked for is found.
+    Enough,
+    /// There are no more candidates; this stood in the way of others.
+    Exhausted(CauseTally),
+    /// The budget was used up; this stood in the way so far.
+    Budget(CauseTally),
+}
+
 impl Search<'_> {
-    /// Fills `found`. If there are no more candidates than that, says what stood in the way.
-    fn run(
-        &mut self,
-        drawn: &mut BTreeMap<u32, Samples>,
-        context: &mut JobContext<'_>,
-    ) -> Result<Option<CauseTally>, Stop> {
-        let samples = match drawn.entry(self.job.level) {
-            Entry::Occupied(known) => {
-                known.get().pay_again(context)?;
-                known.into_mut()
-            }
-            Entry::Vacant(gap) => gap.insert(Samples::draw(self.world, self.count, context)?),
+    /// Fills `found`.
+    fn run(&mut self, drawn: &mut BTreeMap<u32, Samples>, context: &mut JobContext<'_>) -> Result<End, Interrupted> {
+        let samples = match self.samples(drawn, context) {
+            Ok(samples) => samples,
+            Err(Stop::Budget) => return Ok(End::Budget(CauseTally::default())),
+            Err(Stop::Interrupted(interrupted)) => return Err(interrupted),
         };
         let (problem, layout) = (self.world.problem(), &self.world.layout);
         let nogoods = Nogoods::new(&self.job.nogoods, layout, self.count);
         let free = samples.free.clone();
-        let mut enumeration = Enumeration::new(OrderSets::new(problem, layout, &free, nogoods));
+        let mut enumeration =
+            Enumeration::new(OrderSets::new(Judge::new(problem, layout, &free, nogoods), Patience::default()));
         let mut paid = Paid::new(self.world, samples, context);
         for index in 0..self.job.first.saturating_add(self.job.count) {
-            let Some(solved) = enumeration.next(&mut paid)? else {
-                return Ok(Some(enumeration.into_causes(&paid.samples.rejected)));
+            let solved = match enumeration.next(&mut paid) {
+                Ok(Some(solved)) => solved,
+                Ok(None) => return Ok(End::Exhausted(enumeration.into_causes(&paid.samples.rejected))),
+                Err(Stop::Budget) => return Ok(End::Budget(enumeration.into_causes(&paid.samples.rejected))),
+                Err(Stop::Interrupted(interrupted)) => return Err(interrupted),
             };
             if index >= self.job.first {
                 self.found.push(candidate(self.world, &paid.samples.poses, index, &solved));
             }
         }
-        Ok(None)
+        Ok(End::Enough)
     }
 
-    fn outcome(self, end: Result<Option<CauseTally>, Stop>, work: u64) -> Result<Outcome, Interrupted> {
+    fn samples<'b>(
+        &self,
+        drawn: &'b mut BTreeMap<u32, Samples>,
+        context: &mut JobContext<'_>,
+    ) -> Result<&'b mut Samples, Stop> {
+        match drawn.entry(self.job.level) {
+            Entry::Occupied(known) => {
+                known.get().pay_again(context)?;
+                Ok(known.into_mut())
+            }
+            Entry::Vacant(gap) => Ok(gap.insert(Samples::draw(self.world, self.count, context)?)),
+        }
+    }
+
+    fn outcome(self, end: End, work: u64) -> Outcome {
         let causes = match end {
-            Err(Stop::Interrupted(interrupted)) => return Err(interrupted),
-            Err(Stop::Budget) => {
-                let mut causes = CauseTally::default();
+            End::Budget(mut causes) => {
                 causes.count(Cause::Budget { stage: StageKind::Placement.name().to_owned() });
                 Some(causes)
             }
-            Ok(causes) => causes.filter(|_| self.job.first == 0),
+            End::Exhausted(causes) if self.job.first == 0 => Some(causes),
+            End::Exhausted(_) | End::Enough => None,
         };
         match causes {
-            Some(causes) if self.found.is_empty() => Ok(Outcome::soft_failure(causes, self.job.level, work)),
-            _ => Ok(Outcome::answer(Answer::Placements(self.found), work)),
+            Some(causes) if self.found.is_empty() => Outcome::soft_failure(causes, self.job.level, work),
+            _ => Outcome::answer(Answer::Placements(self.found), work),
         }
     }
 }

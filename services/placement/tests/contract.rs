@@ -1,4 +1,5 @@
 //! What every stage promises: equal jobs have equal outcomes, samples do not depend on levels, anything may be asked.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;
 
@@ -53,7 +54,7 @@ fn every_budget_gives_the_same_outcome_warm_or_cold() {
         let outcome = ask(&warm, &job).unwrap();
         assert_eq!(encode(&outcome).unwrap(), encode(&ask(&stage(&problem, 0), &job).unwrap()).unwrap(), "{budget}");
         if let Err(report) = &outcome.result {
-            assert_eq!(report.causes, [(Cause::Budget { stage: "placement".into() }, 1)]);
+            assert!(report.causes.contains(&(Cause::Budget { stage: "placement".into() }, 1)), "{report:?}");
             assert_eq!(report.soundness, Soundness::Soft { level: 0 });
             without_answer += 1;
         }
@@ -152,35 +153,61 @@ fn what_blocks_every_sample_is_named() {
     assert_eq!(report.causes, [(collision, 32), (unplaced, 1)]);
 }
 
-fn sixteen_hops(region: [f64; 2]) -> Problem {
-    let mut scene = Scene::new(4).table("from", [0.9, 0.9]).table("mid", region).table("to", region);
-    let names: Vec<String> = (0..8).map(|i| format!("m{i}")).collect();
+/// Objects that half of the robots bring from tables to one region `mid`, and the others from there to `to`.
+fn passing(objects: usize, robots: usize, mid: [f64; 2], samples: u32) -> Problem {
+    let mut scene = Scene::new(2 * robots).table("from", [0.9, 0.9]).table("mid", mid).table("to", [0.9, 0.9]);
+    let names: Vec<String> = (0..objects).map(|i| format!("m{i}")).collect();
     for (i, name) in names.iter().enumerate() {
-        scene = scene.carton(name, "from", [0.2 * (i % 4) as f64 - 0.3, 0.3 * (i / 4) as f64 - 0.15]);
+        scene = scene.carton(name, "from", [0.12 * (i % 6) as f64 - 0.3, 0.15 * (i / 6) as f64 - 0.3]);
     }
-    for robot in 1..=2 {
-        let mine = names.iter().skip(4 * (robot - 1)).take(4);
-        scene = mine.fold(scene, |scene, name| scene.moves(robot, name, "from", "mid"));
+    for (leg, way) in [["from", "mid"], ["mid", "to"]].into_iter().enumerate() {
+        for robot in 0..robots {
+            let mine = names.iter().skip(robot).step_by(robots);
+            scene = mine.fold(scene, |scene, name| scene.moves(1 + leg * robots + robot, name, way[0], way[1]));
+        }
     }
-    for robot in 3..=4 {
-        let mine = names.iter().skip(4 * (robot - 3)).take(4);
-        scene = mine.fold(scene, |scene, name| scene.moves(robot, name, "mid", "to"));
-    }
-    let mut problem = scene.0;
-    problem.levels.placements = 128;
-    problem
+    scene.0.levels.placements = samples;
+    scene.0
 }
 
 #[test]
 fn sixteen_hops_of_128_samples_are_placed_with_little_work() {
-    for (region, most_work) in [(WIDE, 120_000), ([0.4, 0.2], 120_000), ([0.3, 0.17], 120_000)] {
-        let problem = sixteen_hops(region);
+    for region in [WIDE, [0.4, 0.2], [0.3, 0.17]] {
+        let problem = passing(8, 2, region, 128);
         let outcome = ask(&stage(&problem, 0), &job(0, 0, 20, vec![])).unwrap();
         let Ok(Answer::Placements(found)) = &outcome.result else { panic!("{region:?}: {outcome:?}") };
         assert_eq!(found.len(), 20);
         found.iter().for_each(|candidate| assert_sound(&problem, candidate));
         assert!(found.iter().all(|candidate| candidate.orders.is_empty()));
-        assert!(outcome.work < most_work, "{region:?}: {} work units", outcome.work);
+        assert!(outcome.work < 120_000, "{region:?}: {} work units", outcome.work);
+    }
+}
+
+#[test]
+fn regions_too_small_for_all_at_once_are_passed_in_turn() {
+    // Objects, robots on each side, region, least orders; 0.16 by 0.1 has room for two.
+    let cases = [(8, 4, ONE_SLOT, 7), (8, 2, ONE_SLOT, 7), (8, 4, [0.16, 0.1], 3), (8, 1, [0.25, 0.12], 1)];
+    for (objects, robots, region, orders) in cases {
+        let problem = passing(objects, robots, region, 32);
+        let outcome = ask(&stage(&problem, 0), &job(0, 0, 1, vec![])).unwrap();
+        let Ok(Answer::Placements(found)) = &outcome.result else { panic!("{region:?}: {outcome:?}") };
+        assert_sound(&problem, &found[0]);
+        assert_eq!(found[0].orders.len(), orders, "{objects} objects in {region:?}");
+        assert!(outcome.work < 1_000_000, "{objects} objects in {region:?}: {} work units", outcome.work);
+    }
+}
+
+/// Here the least number of orders is out of reach of an exhaustive search.
+#[test]
+fn regions_far_too_small_for_all_at_once_are_passed_in_turn_within_the_budget() {
+    for (objects, robots, region) in [(16, 2, [0.3, 0.17]), (16, 2, ONE_SLOT), (24, 2, [0.4, 0.2])] {
+        let problem = passing(objects, robots, region, 32);
+        let outcome = ask(&stage(&problem, 0), &job(0, 0, 3, vec![])).unwrap();
+        let Ok(Answer::Placements(found)) = &outcome.result else { panic!("{region:?}: {outcome:?}") };
+        assert_eq!(found.len(), 3);
+        found.iter().for_each(|candidate| assert_sound(&problem, candidate));
+        assert!((1..objects).contains(&found[0].orders.len()), "{:?}", found[0].orders);
+        assert!(outcome.work < 2_500_000, "{objects} objects in {region:?}: {} work units", outcome.work);
     }
 }
 

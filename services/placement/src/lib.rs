@@ -10,8 +10,8 @@
 //! of one size are numbered as they are found and take turns, so that each gives ever more candidates. Under one set of
 //! orders, candidates come by effort, then lexicographically by object and hop; the effort of sample `i` is the bit length
 //! of `i`, that of a candidate the sum over its hops, so hops and regions are treated alike. Every combination of samples
-//! with every irredundant way to order its collisions comes exactly once. The search for the sets of one size is limited;
-//! only where that limit is met may a set come after a larger one.
+//! with every irredundant way to order its collisions comes exactly once. Searches in this order are limited (`Patience`);
+//! only where a limit is met may something come out of turn: a larger set of orders first, or any solution at hand.
 
 mod bits;
 mod contradiction;

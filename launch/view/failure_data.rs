@@ -90,7 +90,8 @@ fn tried(problem: &Problem, failure: &Failure) -> Tried {
     }
     let jobs: u64 = failure.stages.iter().map(|stage| stage.jobs).sum();
     let failures: u64 = failure.stages.iter().map(|stage| stage.failures).sum();
-    lines.push(format!("{jobs} jobs answered, {failures} of them with a failure"));
+    let answered = if jobs == 1 { "1 job was answered".to_owned() } else { format!("{jobs} jobs were answered") };
+    lines.push(format!("{answered}, {failures} with a failure"));
     Tried { heading, lines }
 }
 

@@ -1,9 +1,9 @@
 // Names over the picture: placed where they do not cover one another, more important ones first.
 
-/** Places to try, from a point to the label's corner, in sizes of the label. Robots stand on their names. */
+/** Places to try, from a point to the label's corner, in sizes of the label. Robots stand on their names, regions' names hang. */
 const PLACES = {
   above: [[-0.5, -1], [-0.5, -2.1], [0.1, -1.4], [-1.1, -1.4], [-0.5, 0.4], [-0.5, -3.2]],
-  below: [[-0.5, 0.5], [0.4, 0], [-1.4, 0], [-0.5, 1.6], [0.6, -1.2], [-1.6, -1.2]],
+  below: [[-0.5, 0.3], [0.4, 0], [-1.4, 0], [-0.5, 1.6], [0.6, -1.2], [-1.6, -1.2]],
 };
 
 class Labels {
@@ -43,7 +43,7 @@ class Labels {
 
   /** A box [left, top, right, bottom] near a point that is free; undefined where there is none. */
   freePlace({ at: [x, y], kind }, [w, h], taken, width, height) {
-    for (const [dx, dy] of kind.startsWith("robot") ? PLACES.below : PLACES.above) {
+    for (const [dx, dy] of /^(robot|region)/.test(kind) ? PLACES.below : PLACES.above) {
       const [left, top] = [x + dx * w, y + dy * h];
       const box = [left, top, left + w, top + h];
       const inside = left >= 2 && top >= 2 && box[2] <= width - 2 && box[3] <= height - 2;

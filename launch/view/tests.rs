@@ -237,7 +237,7 @@ fn a_failure_page_says_how_much_was_tried() {
     let page = data(&failure_page(&problem, &failure(Vec::new())).unwrap());
     let tried = page["failure"]["tried"]["lines"].as_array().unwrap();
     assert!(tried.iter().any(|line| line == "128 placements for each hop of an object"), "{tried:?}");
-    assert!(tried.iter().any(|line| line == "3 jobs answered, 2 of them with a failure"), "{tried:?}");
+    assert!(tried.iter().any(|line| line == "3 jobs were answered, 2 with a failure"), "{tried:?}");
     assert_eq!(page["stages"][0]["work"], 10);
 }
 

@@ -53,6 +53,7 @@ test("the bodies that the chosen cause names are painted as culprits, others are
   for (const id of ["object:bystander", "fixed:far_table", "region:near"]) assert.equal(await share([id]), 0, id);
   await page.evaluate(() => window.mrtamp.only(undefined));
   await page.locator(".cause").first().click();
+  await drawn(page);
   assert.equal(await page.locator(".cause").first().getAttribute("aria-pressed"), "false");
   await closePage(page);
 });

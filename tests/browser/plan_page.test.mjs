@@ -240,8 +240,10 @@ test("the mouse turns, moves and zooms the picture, and R frames the scene again
   const moved = await cameraOf(page);
   assert.ok(Math.abs(moved.target[0] - turned.target[0]) > 0.1 || Math.abs(moved.target[1] - turned.target[1]) > 0.1);
   await page.mouse.wheel(0, -300);
-  await page.waitForTimeout(100);
-  assert.ok(distance(await cameraOf(page)) < 0.8 * distance(moved));
+  await page.waitForFunction((least) => {
+    const { eye, target } = window.mrtamp.camera();
+    return Math.hypot(...eye.map((value, i) => value - target[i])) < least;
+  }, 0.8 * distance(moved));
   await page.keyboard.press("r");
   const again = await cameraOf(page);
   assert.ok(again.eye.every((value, i) => Math.abs(value - first.eye[i]) < 1e-6));

@@ -62,16 +62,23 @@ pub struct HullSurface {
     pub faces: Vec<[u32; 3]>,
 }
 
+impl HullSurface {
+    /// What it encloses (m³).
+    fn volume(&self) -> f64 {
+        let corners = |face: &[u32; 3]| face.map(|corner| self.corners[corner as usize].coords);
+        self.faces.iter().map(corners).map(|[a, b, c]| a.cross(&b).dot(&c) / 6.0).sum()
+    }
+}
+
 /// The surface of the hull of points that span a volume; `None` for flat or non-finite sets.
 #[must_use]
 pub fn hull_surface(points: &[Point3<f64>]) -> Option<HullSurface> {
-    if !points.iter().all(|p| p.coords.iter().all(|c| c.is_finite())) {
-        return None;
-    }
+    let size = corners(points).ok()?.half.norm();
     let as_given: Vec<Vector> = points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
     let (corners, faces) = try_convex_hull(&as_given).ok()?;
-    let enough = faces.len() >= 4;
-    enough.then(|| HullSurface { corners: corners.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect(), faces })
+    let surface = HullSurface { corners: corners.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect(), faces };
+    // A flat set has a surface too: the same faces on both sides.
+    (surface.volume() > HULL_TOLERANCE * size.powi(3)).then_some(surface)
 }
 
 /// The farthest corner in a direction; the origin if there is none.
@@ -119,13 +126,13 @@ mod tests {
         let mut points: Vec<Point3<f64>> =
             (0..8).map(|i| Point3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1))).collect();
         points.push(Point3::new(0.5, 0.5, 2.0));
-        let HullSurface { corners, faces } = hull_surface(&points).unwrap();
-        let volume: f64 = faces
-            .iter()
-            .map(|face| face.map(|i| corners[i as usize].coords))
-            .map(|[a, b, c]| a.cross(&b).dot(&c) / 6.0)
-            .sum();
-        assert!((volume - 4.0 / 3.0).abs() < 1e-12, "a cube and a pyramid of height 1 on it: {volume}");
+        let surface = hull_surface(&points).unwrap();
+        assert!((surface.volume() - 4.0 / 3.0).abs() < 1e-12, "a cube and a pyramid of height 1 on it");
+        let inside = Vector3::new(0.5, 0.5, 0.5);
+        for face in &surface.faces {
+            let [a, b, c] = face.map(|corner| surface.corners[corner as usize].coords);
+            assert!((b - a).cross(&(c - a)).dot(&(a - inside)) > 0.0);
+        }
         assert!(hull_surface(&points[..4]).is_none(), "a square has no volume");
     }
 

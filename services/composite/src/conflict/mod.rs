@@ -11,8 +11,9 @@ use nalgebra::Point3;
 
 use memo::Memo;
 
-/// Bound on how far a point of a robot gets from where it is at a cell's middle (m): motions are cut to it.
-pub const CELL_REACH_M: f64 = 0.03;
+/// Bound on how far a point of a robot gets from where it is at a cell's middle (m): motions are cut to it. Half of it
+/// makes plans shorter by 0.05 %, with twice as many arcs and half as much work again (scenes figure1, t04).
+pub const CELL_REACH_M: f64 = 0.06;
 
 /// Overlaps in time up to this (s) do not count: rounding of times.
 pub const TIME_ROUNDING_S: f64 = 1e-9;

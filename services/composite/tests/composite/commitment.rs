@@ -12,6 +12,8 @@ use crate::toys::{Dice, Errand, Toy, World, mode, random_world};
 
 /// Step of the oracle's time (s); durations in its worlds are multiples of it.
 const STEP: f64 = 0.02;
+/// Time (s) that is nothing to a robot, but more than rounding.
+const MOMENT: f64 = 1e-6;
 
 /// What others are committed to, as plain lists.
 struct Committed {
@@ -61,12 +63,16 @@ impl Committed {
         Self { conflicts, motions, standings, over }
     }
 
-    /// Whether a motion is free of everything, `taken` standing no longer.
+    /// Whether a motion is free of everything, `taken` standing no longer, and so a moment earlier and later: what is
+    /// possible at one instant only does not count.
     fn is_free(&self, motion: &Motion, begins_s: f64, ends_s: f64, taken: Option<usize>) -> bool {
-        let timed = TimedMotion { motion: motion.clone(), begins_s, ends_s };
         let stands = |standing: &&TimedStanding| taken.is_none_or(|object| standing.standing.object.index() != object);
-        !self.motions.iter().any(|other| self.conflicts.moves_conflict(&timed, other))
-            && !self.standings.iter().filter(stands).any(|standing| self.conflicts.move_hits(&timed, standing))
+        [-MOMENT, MOMENT].into_iter().all(|moment| {
+            let (begins_s, ends_s) = (begins_s + moment, ends_s + moment);
+            let timed = TimedMotion { motion: motion.clone(), begins_s, ends_s };
+            !self.motions.iter().any(|other| self.conflicts.moves_conflict(&timed, other))
+                && !self.standings.iter().filter(stands).any(|standing| self.conflicts.move_hits(&timed, standing))
+        })
     }
 }
 

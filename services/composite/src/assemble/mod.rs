@@ -4,6 +4,7 @@ mod bound;
 mod cells;
 mod check;
 mod events;
+mod needed;
 mod order;
 mod trajectory;
 
@@ -48,9 +49,10 @@ impl AssembleJob<'_> {
             tally.count(cause);
             return Ok(Outcome::soft_failure(tally, 0, context.spent()));
         }
-        let graph = self.scene.graph(self.assignment)?;
-        let retimed = retime(self.scene, self.assignment, &graph, &timeline)?;
-        let plan = self.plan(&graph, &retimed)?;
+        let assignment = &needed::needed(self.scene, self.assignment, &timeline)?;
+        let graph = self.scene.graph(assignment)?;
+        let retimed = retime(self.scene, assignment, &graph, &timeline)?;
+        let plan = AssembleJob { assignment, ..*self }.plan(&graph, &retimed)?;
         let makespan_s = plan.makespan.task_s;
         let bytes = plan::write_plan(&plan).map_err(|error| Interrupted::Unfit(error.to_string()))?;
         let plan = context.publish(&Product::Plan(bytes))?;

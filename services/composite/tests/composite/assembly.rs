@@ -1,7 +1,9 @@
 //! The form of plans.
 
-use contract::{Answer, Composition};
-use plan::{EventKind, ModeKind, Plan, SegmentKind};
+use contract::{Answer, Composition, DiscoveredOrder};
+use model::Point;
+use plan::{BodyRef, Cause, EventKind, ModeKind, Plan, SegmentKind};
+use skeleton::Event;
 
 use crate::toys::{Dice, Errand, SPEED, Toy, World, random_world};
 
@@ -157,4 +159,40 @@ fn orderings_of_hops_are_listed_as_given() {
         .collect();
     assert_eq!(listed, [("r1.1", model::Point::Release, "r2.1", model::Point::Grasp)]);
     assert!(plan.orderings.iter().all(|ordering| ordering.origin == plan::Origin::Given));
+}
+
+/// r2 brings m2 along a corridor in which m1 stands, until r1 takes it into a niche.
+fn corridor_with_niche() -> Toy {
+    let mut world = World::grid(5, 1, 0.7);
+    world.points.push([1.4, 0.7]);
+    world.ways.push((2, 5));
+    (world.starts, world.objects) = (vec![5, 0], vec![2, 0]);
+    world.errands =
+        vec![Errand { robot: 0, object: 0, from: 2, to: 5 }, Errand { robot: 1, object: 1, from: 0, to: 4 }];
+    world.arms = true;
+    world.build()
+}
+
+#[test]
+fn only_orderings_that_the_motion_needs_and_that_follow_from_no_others_are_listed() {
+    let mut toy = corridor_with_niche();
+    let order = |before: Event, after: Event, cause: Cause| DiscoveredOrder { before, after, cause };
+    let in_the_way = |pair: &str, robot: &str, object: &str| Cause::NoPath {
+        pair: Some(pair.into()),
+        robot: robot.into(),
+        blocking: vec![BodyRef::Object(object.into())],
+    };
+    let [first, second] = [0, 1].map(crate::toys::pair);
+    let needed = order(Event::grasp(first), Event::new(second, Point::AtPlace), in_the_way("r2.1", "r2", "m1"));
+    let overlap = Cause::Overlap { region: String::new(), leaves: "m1".into(), comes: "m2".into() };
+    toy.assignment.orders = vec![
+        // It follows from the next one.
+        order(Event::grasp(first), Event::release(second), overlap),
+        needed.clone(),
+        // r1 comes nowhere near where m2 is brought.
+        order(Event::new(first, Point::Done), Event::release(second), in_the_way("r1.1", "r1", "m2")),
+    ];
+    let plan = planned(&toy).unwrap();
+    let listed: Vec<_> = plan.orderings.iter().map(|o| (o.before.point, o.after.point, o.cause.clone())).collect();
+    assert_eq!(listed, [(Point::Grasp, Point::AtPlace, Some(needed.cause))]);
 }

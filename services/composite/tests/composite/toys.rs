@@ -332,7 +332,10 @@ impl Toy {
     /// Commits modes as the refiner does: of those that are ready the one whose event comes first. Calls `each` with
     /// every prefix. Ends where nothing can be committed.
     pub fn commit_all(&self, mut each: impl FnMut(&[Commitment])) -> (Option<ProductRef>, Vec<FailureReport>) {
-        let skeleton = self.skeleton();
+        let mut skeleton = self.skeleton();
+        for order in &self.assignment.orders {
+            skeleton.graph.add(order.before, order.after, skeleton::ArcOrigin::Discovered).unwrap();
+        }
         let mut next = vec![0_usize; skeleton.modes.len()];
         let mut prefix = None;
         loop {

@@ -9,6 +9,9 @@ use nalgebra::Point3;
 
 /// Step of the grid as a part of the extent. Meshes carry `f32`.
 const STEP: f64 = 1.0e-6;
+/// Points may lie this far (m) outside the hull of those that are kept: finely meshed curves have thousands of corners, and
+/// every one of them costs time in every distance computation.
+const TOLERANCE: f64 = 1.0e-4;
 
 /// Why a set of points has no usable hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,20 +60,23 @@ fn dot(a: GridPoint, b: GridPoint) -> i128 {
     (0..3).map(|i| i128::from(a[i]) * i128::from(b[i])).sum()
 }
 
-/// Points of `points` whose hull contains the others within four millionths of the extent; at most `most` of them.
+/// Points of `points` whose hull contains the others within 0.1 mm, or four millionths of the extent if that is more; at
+/// most `most` of them.
 pub(crate) fn extreme_points(points: &[Point3<f64>], most: usize) -> Result<Vec<Point3<f64>>, NoHull> {
     let step = STEP * extent(points);
+    // Less than two steps may come from rounding to the grid.
+    let tolerance = (TOLERANCE / step).max(2.0) as i128;
     let (points, grid) = distinct(points, step);
     let seed = simplex(&points, step).ok_or(NoHull::Flat)?;
     let mut faces = seed_faces(&grid, seed);
-    distribute(&grid, &mut faces, 0, (0..grid.len()).collect());
+    distribute(&grid, &mut faces, 0, (0..grid.len()).collect(), tolerance);
     let mut corners = BTreeSet::from(seed);
     while let Some(far) = farthest_outside(&grid, &faces) {
         corners.insert(far);
         if corners.len() > most {
             return Err(NoHull::TooMany);
         }
-        grow(&grid, &mut faces, far);
+        grow(&grid, &mut faces, far, tolerance);
     }
     Ok(corners.into_iter().map(|i| points[i]).collect())
 }
@@ -115,11 +121,10 @@ fn seed_faces(points: &[GridPoint], seed: [usize; 4]) -> Vec<Face> {
     others.into_iter().enumerate().map(face).collect()
 }
 
-/// Gives each point to the first face, from `first` on, that it lies above by more than two steps of the grid: less may
-/// come from rounding to the grid.
-fn distribute(points: &[GridPoint], faces: &mut [Face], first: usize, candidates: Vec<usize>) {
+/// Gives each point to the first face, from `first` on, that it lies above by more than `tolerance` steps of the grid.
+fn distribute(points: &[GridPoint], faces: &mut [Face], first: usize, candidates: Vec<usize>, tolerance: i128) {
     for candidate in candidates {
-        let above = |face: &&mut Face| face.height(points[candidate]) > 2 * face.step;
+        let above = |face: &&mut Face| face.height(points[candidate]) > tolerance * face.step;
         if let Some(face) = faces[first..].iter_mut().find(above) {
             face.outside.push(candidate);
         }
@@ -133,7 +138,7 @@ fn farthest_outside(points: &[GridPoint], faces: &[Face]) -> Option<usize> {
 }
 
 /// Replaces the faces that see `apex` by a cone from their border to it.
-fn grow(points: &[GridPoint], faces: &mut Vec<Face>, apex: usize) {
+fn grow(points: &[GridPoint], faces: &mut Vec<Face>, apex: usize, tolerance: i128) {
     let mut seen: Vec<Face> = faces.extract_if(.., |face| face.height(points[apex]) > 0).collect();
     let edges = |face: &Face| {
         let [a, b, c] = face.corners;
@@ -145,7 +150,7 @@ fn grow(points: &[GridPoint], faces: &mut Vec<Face>, apex: usize) {
         faces.push(Face::new(points, [a, b, apex]));
     }
     let orphans = seen.iter_mut().flat_map(|face| std::mem::take(&mut face.outside)).filter(|i| *i != apex).collect();
-    distribute(points, faces, first_new, orphans);
+    distribute(points, faces, first_new, orphans, tolerance);
 }
 
 #[cfg(test)]
@@ -190,7 +195,7 @@ mod tests {
         assert_eq!(extreme_points(&drum.collect::<Vec<_>>(), 100), Err(NoHull::TooMany));
     }
 
-    /// Oracle: a cylinder's corners are its rims. A few points that rounding lifts out of an end or a side may join them.
+    /// Oracle: a cylinder's corners are its rims. A few points that are as high as a corner may join them.
     #[test]
     fn a_slanted_cylinder_with_many_points_on_its_ends_is_little_more_than_its_rims() {
         let turned = Rotation3::from_euler_angles(0.3, -0.8, 2.1);
@@ -220,7 +225,7 @@ mod tests {
             let hull = extreme_points(&points, 1000).unwrap();
             for direction in directions.into_iter().map(Vector3::from) {
                 let reach = |points: &[Point3<f64>]| points.iter().map(|p| p.coords.dot(&direction)).fold(f64::MIN, f64::max);
-                prop_assert!((reach(&points) - reach(&hull)).abs() < 1e-5);
+                prop_assert!((reach(&points) - reach(&hull)).abs() < 1.1e-4);
             }
         }
     }

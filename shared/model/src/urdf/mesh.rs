@@ -13,7 +13,7 @@ use crate::{Files, Shape};
 /// Most points of a hull; every one of them costs time in every distance computation.
 const MAX_HULL_POINTS: usize = 2_000;
 
-/// The hull of a mesh that `owner` names at `span`.
+/// The hull of a mesh that `owner` names at `span`, within 0.1 mm.
 ///
 /// `reference` is found as [`locate`] does. `scale` multiplies the mesh's coordinates. DAE units and axes are not applied.
 pub(crate) fn load_hull(

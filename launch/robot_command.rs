@@ -42,18 +42,10 @@ pub struct RobotArgs {
 /// # Errors
 /// A report for the user.
 pub fn run(args: &RobotArgs) -> miette::Result<ExitCode> {
-    let files = args.packages.files();
     if let Some(path) = args.write_srdf.as_deref().filter(|path| path.exists()) {
         return Err(exists(path));
     }
-    let urdf = args.urdf.to_string_lossy();
-    let (report, srdf) = match &args.srdf {
-        Some(srdf) => (of_files(&files, &urdf, &srdf.to_string_lossy(), args.samples)?, None),
-        None => {
-            let (report, srdf) = guessed(&files, &urdf, args)?;
-            (report, Some(srdf))
-        }
-    };
+    let (report, srdf) = look_at(args)?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
     } else {
@@ -68,6 +60,19 @@ pub fn run(args: &RobotArgs) -> miette::Result<ExitCode> {
         );
     }
     Ok(ExitCode::from(exit::SOLVED))
+}
+
+/// The report of a robot and, where it has no SRDF, the one that is guessed.
+///
+/// # Errors
+/// A report for the user.
+pub fn look_at(args: &RobotArgs) -> miette::Result<(RobotReport, Option<String>)> {
+    let (files, urdf) = (args.packages.files(), args.urdf.to_string_lossy());
+    if let Some(srdf) = &args.srdf {
+        return Ok((of_files(&files, &urdf, &srdf.to_string_lossy(), args.samples)?, None));
+    }
+    let (report, srdf) = guessed(&files, &urdf, args)?;
+    Ok((report, Some(srdf)))
 }
 
 fn of_files(files: &PackageFiles, urdf: &str, srdf: &str, samples: u64) -> miette::Result<RobotReport> {

@@ -46,10 +46,13 @@ pub fn run(args: &RefineArgs, implementation: &str, search: &Search<'_>) -> Resu
         time_limit: args.time_limit.map(|limit| Duration::try_from_secs_f64(limit).unwrap_or(Duration::ZERO)),
         stop: membership.stop.clone(),
     };
-    refine(connection, membership.run(), membership.id(), hello, settings, search)
+    let over = refine(connection, membership.run(), membership.id(), hello, settings, search)?;
+    // The run is over: the supervisor removes what it has left, all at once.
+    std::mem::forget(over);
+    Ok(())
 }
 
-/// Searches on a bus, and tells how it ended until the run is over.
+/// Searches on a bus, and tells how it ended until the run is over. What it gives back still holds on to the bus.
 ///
 /// # Errors
 /// [`MemberFault`].
@@ -60,12 +63,12 @@ pub fn refine(
     hello: Hello,
     settings: AskSettings,
     search: &Search<'_>,
-) -> Result<(), MemberFault> {
-    let Some(mut ask) = BusAsk::join(connection, run, me, hello, settings)? else { return Ok(()) };
+) -> Result<Option<BusAsk>, MemberFault> {
+    let Some(mut ask) = BusAsk::join(connection, run, me, hello, settings)? else { return Ok(None) };
     let (statement, announcer) = (ask.statement(), ask.announcer());
     let Searched { ledger, conclusion, plan } = search(&statement, &mut ask, &mut |entry| announcer.committed(entry));
     // If even its maker cannot make it again, the end names a plan that nobody has; the supervisor sees that.
     let plan = plan.and_then(|plan| ask.fetch(plan).ok()).map(|bytes| bytes.to_vec());
     ask.conclude(ledger, conclusion, plan);
-    Ok(())
+    Ok(Some(ask))
 }

@@ -216,7 +216,6 @@ impl Supervisor<'_> {
             let _ = self.host.attend(Duration::from_millis(1));
             self.tell();
         }
-        self.bus.clean_up();
         self.said = None;
         let patience = Duration::from_millis(200);
         loop {

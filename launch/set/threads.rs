@@ -94,7 +94,7 @@ impl Parts {
             Role::Refiner | Role::Supervisor => {
                 let settings = AskSettings { speculation: self.speculation, time_limit, stop };
                 let search = self.search.clone();
-                thread.spawn(move || refine(connection, run, member, hello, settings, search.as_ref()))?
+                thread.spawn(move || refine(connection, run, member, hello, settings, search.as_ref()).map(drop))?
             }
         })
     }

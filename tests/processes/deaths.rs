@@ -1,8 +1,13 @@
 //! Processes that die, stop or panic at work.
 
-use contract::{AskFault, StageKind, decode};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use contract::{AskFault, RandomStream, StageKind, decode};
 use launch::set::SetEvent;
 use launch::set::replay::Replay;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
 
 use crate::set::{ToySet, reference, toy_end};
 use crate::toy::toy_statement;
@@ -59,6 +64,72 @@ fn a_refiner_that_is_killed_again_and_again_gets_there_all_the_same() {
     let end = set.end();
     assert_eq!((end.restarts, set.troubles_left()), (6, 0));
     assert_eq!(end.search.ledger, reference(0));
+}
+
+/// Kills processes of a set at moments of no meaning: while they start, wait, work, write.
+struct Killer {
+    victims: Arc<Mutex<Vec<u32>>>,
+    thread: std::thread::JoinHandle<()>,
+}
+
+impl Killer {
+    fn start(seed: u64, kills: u64) -> Self {
+        let victims: Arc<Mutex<Vec<u32>>> = Arc::default();
+        let known = victims.clone();
+        let stream = RandomStream::new(seed, StageKind::Placement, &[], "kills");
+        let thread = std::thread::spawn(move || {
+            for index in 0..kills {
+                let [pause, which] = stream.unit(index);
+                std::thread::sleep(Duration::from_secs_f64(0.002 + 0.1 * pause));
+                let mut known = known.lock().unwrap();
+                let victim = (which * known.len() as f64) as usize;
+                if victim < known.len() {
+                    // It may have ended by itself.
+                    let _ = kill(Pid::from_raw(known.swap_remove(victim) as i32), Signal::SIGKILL);
+                }
+            }
+        });
+        Self { victims, thread }
+    }
+}
+
+#[test]
+fn processes_may_be_killed_at_any_moment() {
+    let _watchdog = Watchdog::start("any moment");
+    for seed in 0..4 {
+        let policy = "restart: always, max_restarts: 1000";
+        let stages = StageKind::ALL.map(|stage| match stage {
+            StageKind::Roadmap => format!("{stage}: {{ replicas: per_robot, {policy} }}"),
+            _ => format!("{stage}: {{ {policy} }}"),
+        });
+        let launch = format!("stages: {{ {} }}\nrefiner: {{ {policy} }}\n", stages.join(", "));
+        let set = StageKind::ALL
+            .iter()
+            .fold(ToySet::with(&launch), |set, stage| set.setting(&format!("labour-{stage}"), "20000"));
+        let killer = Killer::start(seed, 25);
+        let end = set
+            .run(&mut |event| match event {
+                SetEvent::Started { process, .. } => killer.victims.lock().unwrap().push(process),
+                // Nobody is killed whose number may be another's already.
+                SetEvent::Note(bus::Note::Committed(contract::LedgerEntry::Solved { .. })) => {
+                    killer.victims.lock().unwrap().clear();
+                }
+                _ => {}
+            })
+            .unwrap();
+        killer.victims.lock().unwrap().clear();
+        killer.thread.join().unwrap();
+        let reference = reference(0);
+        match toy_end(&end) {
+            Ok(_) => assert_eq!(end.search.ledger, reference, "seed {seed}"),
+            // One and the same job may have had bad luck three times.
+            Err(AskFault::PoisonJob { .. }) => {
+                let entries = &end.search.ledger.entries;
+                assert_eq!(*entries, reference.entries[..entries.len()], "seed {seed}");
+            }
+            Err(fault) => panic!("seed {seed}: {fault}"),
+        }
+    }
 }
 
 #[test]

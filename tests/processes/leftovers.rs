@@ -44,7 +44,7 @@ fn garbage_on_every_topic_is_counted_and_changes_nothing() {
             }
         }
         // They stay: what a writer says and leaves before anybody looks is lost.
-        SetEvent::Note(Note::Committed(_)) => strangers.iter_mut().for_each(|stranger| drain(stranger)),
+        SetEvent::Note(Note::Committed(_)) => strangers.iter_mut().for_each(drain),
         _ => {}
     });
     let end = end.unwrap();

@@ -107,7 +107,7 @@ impl Candidate<'_> {
             return Vec::new();
         }
         let comes_later = from.zip(leaves(mode)).map(|(comes, left)| (left, comes));
-        let gone_before = to.zip(arrives(mode)).map(|(goes, arrival)| (goes, arrival));
+        let gone_before = to.zip(arrives(mode));
         [comes_later, gone_before]
             .into_iter()
             .flatten()

@@ -3,7 +3,8 @@
 //! Rules that this file keeps, each learnt the hard way: a root folder and a prefix of its own for every run; the
 //! supervisor creates every service, with every limit explicit, and holds them; others only open, with retries; no safe
 //! overflow; a reader that takes nothing is given up after a while, and dead nodes are cleaned up meanwhile; events are
-//! only hints. One wake-up event for each role, not for each topic: a member waits for one thing, and a process opens
+//! only hints; only the supervisor cleans up, and before it does, it removes what a death has left half made, on which
+//! iceoryx2 would wait for ever. One wake-up event for each role, not for each topic: a member waits for one thing, and a process opens
 //! few ports.
 
 use std::collections::BTreeMap;
@@ -24,6 +25,7 @@ use ::iceoryx2::prelude::{
 };
 use ::iceoryx2::service::port_factory::{event, publish_subscribe};
 
+use crate::orphans;
 use crate::{Bus, BusFault, Clock, Connection, Envelope, Inbox, MemberId, Outbox, Parcel, RealTime, Role, Topic};
 
 type Ipc = ipc_threadsafe::Service;
@@ -31,6 +33,7 @@ type Ipc = ipc_threadsafe::Service;
 type Header = [u64; Envelope::BYTES / 8];
 type Service = publish_subscribe::PortFactory<Ipc, [u8], Header>;
 type Wake = event::PortFactory<Ipc>;
+type Reader = Subscriber<Ipc, [u8], Header>;
 
 /// Message parts that a reader has room for, of each writer.
 const ROOM: usize = 256;
@@ -82,6 +85,8 @@ struct Shared {
     node: Mutex<Node<Ipc>>,
     config: Config,
     run: String,
+    /// Whether this process cleans up after the dead.
+    cleans: bool,
 }
 
 impl Iceoryx2 {
@@ -90,11 +95,11 @@ impl Iceoryx2 {
     /// # Errors
     /// [`BusFault::Broken`].
     pub fn create(place: &Iceoryx2Place, seats: &BTreeMap<Role, usize>) -> Result<Self, BusFault> {
-        let mut bus = Self::join_as_node(place, "supervisor")?;
+        let mut bus = Self::join_as_node(place, "supervisor", true)?;
         let node = bus.shared.node();
         // Whoever dies holds its places until it has been cleaned up, and its successor comes meanwhile.
         let places = |takes_part: &dyn Fn(Role) -> bool| {
-            2 * seats.iter().filter(|(role, _)| takes_part(**role)).map(|(_, count)| count).sum::<usize>() + 4
+            2 * seats.iter().filter(|(role, _)| takes_part(**role)).map(|(_, count)| count).sum::<usize>() + 8
         };
         let everybody = places(&|_| true);
         let mut services = Vec::new();
@@ -137,10 +142,10 @@ impl Iceoryx2 {
     /// # Errors
     /// [`BusFault::Broken`].
     pub fn open(place: &Iceoryx2Place, name: &str) -> Result<Self, BusFault> {
-        Self::join_as_node(place, name)
+        Self::join_as_node(place, name, false)
     }
 
-    fn join_as_node(place: &Iceoryx2Place, name: &str) -> Result<Self, BusFault> {
+    fn join_as_node(place: &Iceoryx2Place, name: &str, cleans: bool) -> Result<Self, BusFault> {
         // Faults are values here; what the library prints beside them helps nobody.
         set_log_level(LogLevel::Fatal);
         let config = config(&place.root, &place.prefix)?;
@@ -150,7 +155,7 @@ impl Iceoryx2 {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
             .map_err(broken("node"))?;
-        let shared = Arc::new(Shared { node: Mutex::new(node), config, run: place.run.clone() });
+        let shared = Arc::new(Shared { node: Mutex::new(node), config, run: place.run.clone(), cleans });
         Ok(Self { shared, clock: Arc::new(RealTime::start()), held: None })
     }
 
@@ -223,14 +228,14 @@ impl Shared {
 
 struct IpcInbox {
     listener: Listener<Ipc>,
-    readers: Vec<(Topic, Subscriber<Ipc, [u8], Header>)>,
+    readers: Vec<(Topic, Reader)>,
     turn: usize,
     /// The last part from each writer on each topic: a part may be delivered again for the sake of another reader.
     last: BTreeMap<(Topic, u128), Header>,
 }
 
 impl IpcInbox {
-    fn new(listener: Listener<Ipc>, readers: Vec<(Topic, Subscriber<Ipc, [u8], Header>)>) -> Self {
+    fn new(listener: Listener<Ipc>, readers: Vec<(Topic, Reader)>) -> Self {
         Self { listener, readers, turn: 0, last: BTreeMap::new() }
     }
 }
@@ -298,7 +303,8 @@ impl IpcOutbox {
             .allocation_strategy(AllocationStrategy::Static)
             .initial_max_slice_len(self.part_bytes(topic))
             .max_loaned_samples(1);
-        let patience = self.waits.then(|| Arc::new(Patience::new(self.shared.config.clone())));
+        let cleans = self.shared.cleans.then(|| self.shared.config.clone());
+        let patience = self.waits.then(|| Arc::new(Patience::new(cleans)));
         let builder = match patience.clone() {
             Some(patience) => builder
                 .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
@@ -377,7 +383,8 @@ impl Outbox for IpcOutbox {
 
 /// How long a writer waits for readers that have no room.
 struct Patience {
-    config: Config,
+    /// With which dead nodes are cleaned up; none: somebody else does that.
+    config: Option<Config>,
     state: Mutex<PatienceState>,
 }
 
@@ -392,7 +399,7 @@ struct PatienceState {
 }
 
 impl Patience {
-    fn new(config: Config) -> Self {
+    fn new(config: Option<Config>) -> Self {
         let (given_up, cleaned) = (BTreeMap::new(), Instant::now());
         let state = PatienceState { given_up, unconnected_until: None, fresh: false, cleaned };
         Self { config, state: Mutex::new(state) }
@@ -440,12 +447,13 @@ impl Patience {
 
     /// A reader that takes nothing may be dead.
     fn clean_up(&self, waited: Duration) {
+        let Some(config) = self.config.as_ref().filter(|_| waited > CLEAN_AGAIN) else { return };
         let now = Instant::now();
         let mut state = self.state();
-        if waited > CLEAN_AGAIN && now > state.cleaned + CLEAN_AGAIN {
+        if now > state.cleaned + CLEAN_AGAIN {
             state.cleaned = now;
             drop(state);
-            clean_up(&self.config);
+            clean_up(config);
         }
     }
 }
@@ -464,6 +472,7 @@ fn config(root: &Path, prefix: &str) -> Result<Config, BusFault> {
 }
 
 fn clean_up(config: &Config) {
+    orphans::remove_unfinished(&config.global.prefix.to_string());
     // What cannot be cleaned up now is tried again at the next death, and goes with the root in the end.
     let _ = Node::<Ipc>::list(config, |state| {
         if let NodeState::Dead(dead) = state {

@@ -19,6 +19,7 @@ mod iceoryx2;
 mod link;
 mod member;
 mod message;
+mod orphans;
 mod parts;
 mod real_time;
 mod topic;

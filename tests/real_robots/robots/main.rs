@@ -32,7 +32,7 @@ fn ur5_urdf() -> PathBuf {
     package().join("robots/ur_description/urdf/ur5_robot.urdf")
 }
 
-fn load(urdf: &PathBuf, srdf: &str) -> Robot {
+fn load(urdf: &std::path::Path, srdf: &str) -> Robot {
     let srdf = launch_folder().join("robots").join(srdf);
     load_robot(&DiskFiles, &urdf.to_string_lossy(), &srdf.to_string_lossy()).unwrap()
 }

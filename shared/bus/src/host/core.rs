@@ -151,7 +151,8 @@ impl HostCore {
             Message::Hello(hello) => self.greet(now, sender, hello),
             Message::Started => member.started = job.map(|job| (job, now)),
             Message::Outcome(_) | Message::Declined(_) => {
-                let begun = member.started.take_if(|(started, _)| Some(*started) == job).map_or(now, |(_, begun)| begun);
+                let begun =
+                    member.started.take_if(|(started, _)| Some(*started) == job).map_or(now, |(_, begun)| begun);
                 self.keep(topic, job, message, now.saturating_sub(begun));
             }
             Message::Product(bytes) => self.store.keep_product(bytes),

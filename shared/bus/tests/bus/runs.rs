@@ -113,8 +113,11 @@ fn a_refiner_that_dies_and_comes_back_reaches_the_same_ledger() {
 /// Channels on which a fault is put between every member and its outbox.
 struct Faulty {
     inner: Channels,
-    fault: Arc<dyn Fn(Topic, &Envelope) -> Passes + Send + Sync>,
+    fault: Arc<Fault>,
 }
+
+/// What becomes of a message.
+type Fault = dyn Fn(Topic, &Envelope) -> Passes + Send + Sync;
 
 #[derive(Clone, Copy)]
 enum Passes {
@@ -125,7 +128,7 @@ enum Passes {
 
 struct FaultyOutbox {
     inner: Box<dyn Outbox>,
-    fault: Arc<dyn Fn(Topic, &Envelope) -> Passes + Send + Sync>,
+    fault: Arc<Fault>,
 }
 
 impl Bus for Faulty {

@@ -148,11 +148,12 @@ fn a_worker_that_panics_is_replaced_and_its_last_words_are_passed_on() {
 }
 
 #[test]
-fn a_worker_that_is_stopped_counts_as_dead_in_the_end() {
+fn a_worker_that_is_stopped_holds_nobody_up() {
     let _watchdog = Watchdog::start("stopped");
     let set = ToySet::new().trouble("stop-placement");
     let end = set.end();
-    assert_eq!((end.restarts, set.troubles_left()), (1, 0));
+    // Its job is offered to another worker; if the run lasts long enough, its silence is taken for death, too.
+    assert!(end.restarts <= 1 && set.troubles_left() == 0, "{} restarts", end.restarts);
     assert_eq!(end.search.ledger, reference(0));
 }
 

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use plan::PlanFileError;
+use validation::Violation;
 
 use crate::exit::{self, BadInput};
 use crate::packages::PackageArgs;
@@ -14,7 +16,7 @@ use crate::problem_source;
 pub struct CheckArgs {
     /// Problem file.
     pub problem: PathBuf,
-    /// Plan file.
+    /// Plan file, or file of a failure.
     pub plan: PathBuf,
     /// Results for programs.
     #[arg(long)]
@@ -24,30 +26,42 @@ pub struct CheckArgs {
     pub packages: PackageArgs,
 }
 
-/// Checks a plan.
+/// Checks a plan; or a failure, whose certificate is verified if it is called proven.
 ///
 /// # Errors
 /// A report for the user.
 pub fn run(args: &CheckArgs) -> miette::Result<ExitCode> {
     let problem = problem_source::load_with(Some(&args.problem), &args.packages)?;
     let bytes = problem_source::read_file(&args.plan)?;
-    let plan = plan::read_plan(&bytes).map_err(|error| {
-        miette::Report::new(BadInput {
-            message: format!("{}: {error}", args.plan.display()),
-            help: Some("`mrtamp schema plan` prints what a plan looks like".to_owned()),
-        })
-    })?;
-    match validation::check_plan(&problem, &plan) {
-        Ok(_) => {
-            println!("accepted: {}", args.plan.display());
-            Ok(ExitCode::from(exit::SOLVED))
-        }
-        Err(violations) => {
-            for violation in &violations {
-                println!("{}: {}", violation.rule.name(), violation.message);
-            }
-            println!("rejected: {}, {} violations", args.plan.display(), violations.len());
-            Ok(ExitCode::from(exit::REJECTED))
+    let unreadable = |error: PlanFileError, format: &str| BadInput {
+        message: format!("{}: {error}", args.plan.display()),
+        help: Some(format!("`mrtamp schema {format}` prints what a {format} looks like")),
+    };
+    match plan::read_failure(&bytes) {
+        Ok(failure) => Ok(said(args, validation::check_failure(&problem, &failure))),
+        Err(error) if is_failure(&bytes) => Err(unreadable(error, "failure").into()),
+        Err(_) => {
+            let plan = plan::read_plan(&bytes).map_err(|error| unreadable(error, "plan"))?;
+            Ok(said(args, validation::check_plan(&problem, &plan).map(|_| ())))
         }
     }
+}
+
+/// Whether a file says that it is a failure.
+fn is_failure(bytes: &[u8]) -> bool {
+    let value: Option<serde_json::Value> = serde_json::from_slice(bytes).ok();
+    value.is_some_and(|value| value["format"] == plan::FAILURE_FORMAT)
+}
+
+/// Says the verdict.
+fn said(args: &CheckArgs, verdict: Result<(), Vec<Violation>>) -> ExitCode {
+    let Err(violations) = verdict else {
+        println!("accepted: {}", args.plan.display());
+        return ExitCode::from(exit::SOLVED);
+    };
+    for violation in &violations {
+        println!("{}: {}", violation.rule.name(), violation.message);
+    }
+    println!("rejected: {}, {} violations", args.plan.display(), violations.len());
+    ExitCode::from(exit::REJECTED)
 }

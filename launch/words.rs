@@ -91,10 +91,14 @@ fn verb(end: PairEnd) -> &'static str {
 fn out_of_reach(distance: &Distance) -> String {
     match distance.limit {
         DistanceLimit::Far { greatest_m, nearest_m } => {
-            format!("the hand would have to be {nearest_m:.3} m from the shoulder, the arm reaches {greatest_m:.3} m")
+            format!(
+                "the hand would have to be {nearest_m:.3} m or more from the shoulder, the arm gets no farther than {greatest_m:.3} m"
+            )
         }
         DistanceLimit::Near { least_m, farthest_m } => {
-            format!("the hand would have to be {farthest_m:.3} m from the shoulder, the arm keeps {least_m:.3} m")
+            format!(
+                "the hand would have to be {farthest_m:.3} m or less from the shoulder, the arm gets no nearer than {least_m:.3} m"
+            )
         }
     }
 }

@@ -133,8 +133,10 @@ fn proof_bodies(problem: &Problem, certificate: &Certificate) -> Vec<String> {
             objects.chain([of("region", region)]).collect()
         }
         Certificate::ObjectTooLarge { object, region } => vec![of("object", object), of("region", region)],
-        Certificate::Reach { robot, region, .. } | Certificate::BaseDisconnected { robot, region, .. } => {
-            vec![of("robot", robot), of("region", region)]
+        Certificate::Reach { robot, pair, region, .. } | Certificate::BaseDisconnected { robot, pair, region, .. } => {
+            let pair = problem.pairs.iter().find(|known| known.name == *pair);
+            let object = pair.map(|pair| of("object", &problem.movable[pair.object.index()].name));
+            object.into_iter().chain([of("robot", robot), of("region", region)]).collect()
         }
         Certificate::NoCommonGrasp { pair, .. } => pair_bodies(problem, pair),
     }

@@ -93,19 +93,19 @@ fn a_discovered_ordering_names_the_region_and_both_objects() {
 }
 
 #[test]
-fn an_object_out_of_reach_is_named_and_nothing_is_called_proven() {
+fn a_region_out_of_reach_is_named_and_proven_so() {
     let mut problem = scene("t00_one_arm");
     let region = problem.pairs[0].to.index();
-    problem.regions[region].world_from_region.translation.x += 0.0;
     let support = problem.regions[region].support.index();
     let away = nalgebra::Translation3::new(0.0, 3.0, 0.0);
     problem.fixed[support].world_from_object = away * problem.fixed[support].world_from_object;
     problem.regions[region].world_from_region = away * problem.regions[region].world_from_region;
     problem.levels.highest = 0;
-    let Err(refiner::End::Failed { result, causes, .. }) = try_plan(&problem, 0, Prioritised) else {
+    let Err(refiner::End::Failed { result, causes, certificate }) = try_plan(&problem, 0, Prioritised) else {
         panic!("planned, or a fault");
     };
-    assert_eq!(result, plan::ResultKind::SamplesExhausted);
+    assert_eq!(result, plan::ResultKind::InfeasibleProven);
     let named = problem.regions[region].name.clone();
     assert!(causes.iter().any(|(cause, _)| matches!(cause, Cause::Unreachable { region, .. } if *region == named)));
+    assert!(matches!(certificate, Some(plan::Certificate::Reach { region, .. }) if region == named));
 }

@@ -20,6 +20,8 @@ use contract::{
     Stage,
 };
 use kinematics::ArmSolver;
+use model::PairId;
+use plan::{Certificate, PairEnd};
 
 /// The roadmap stage.
 pub struct RoadmapStage {
@@ -28,6 +30,8 @@ pub struct RoadmapStage {
     seed: u64,
     /// Blocked or free, by motion: a memo of continuous tests against fixed objects.
     free: Mutex<BTreeMap<Vec<u8>, bool>>,
+    /// For each end of a pair to which no way was found, whether it can be proven that there is none.
+    proofs: Mutex<BTreeMap<(PairId, PairEnd), Option<Certificate>>>,
 }
 
 impl RoadmapStage {
@@ -38,7 +42,7 @@ impl RoadmapStage {
     pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
         let geometry = Geometry::new(&statement.problem)?;
         let solvers = statement.problem.robots.iter().map(ArmSolver::for_robot).collect();
-        Ok(Self { geometry, solvers, seed: statement.seed, free: Mutex::default() })
+        Ok(Self { geometry, solvers, seed: statement.seed, free: Mutex::default(), proofs: Mutex::default() })
     }
 
     fn piece(&self, job: &PieceJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
@@ -62,8 +66,26 @@ impl RoadmapStage {
                 let (shortest_s, in_the_way) = (glued.shortest_s, glued.in_the_way);
                 Ok(Outcome::answer(Answer::Mode { roadmap, shortest_s, in_the_way }, context.spent()))
             }
-            Err(causes) => Ok(Outcome::soft_failure(causes, job.level, context.spent())),
+            Err(causes) => Ok(match self.proof(job) {
+                Some(certificate) => Outcome::infeasible(causes, certificate, context.spent()),
+                None => Outcome::soft_failure(causes, job.level, context.spent()),
+            }),
         }
+    }
+
+    /// A proof that the base cannot get to where a mode ends, whatever the stand there.
+    fn proof(&self, job: &ModeJob) -> Option<Certificate> {
+        let (robot, step) = (job.mode.robot, job.mode.step as usize);
+        let pair = self.geometry.problem().pairs_of_robot(robot).nth(step / 2)?;
+        let end = if step % 2 == 0 { PairEnd::Pick } else { PairEnd::Place };
+        if let Some(known) = self.proofs.lock().ok().and_then(|memo| memo.get(&(pair, end)).cloned()) {
+            return known;
+        }
+        let proof = self.geometry.prove_no_drive(pair, end);
+        if let Ok(mut memo) = self.proofs.lock() {
+            memo.insert((pair, end), proof.clone());
+        }
+        proof
     }
 }
 

@@ -17,7 +17,8 @@ use contract::{
     TransitionJob,
 };
 use kinematics::ArmSolver;
-use model::{AllowedContacts, Configuration, RobotId};
+use model::{AllowedContacts, Configuration, PairId, RobotId};
+use plan::Certificate;
 
 /// The transition stage.
 pub struct TransitionStage {
@@ -25,6 +26,8 @@ pub struct TransitionStage {
     solvers: Vec<ArmSolver>,
     seed: u64,
     found: Mutex<BTreeMap<Vec<u8>, Arc<Found>>>,
+    /// For each pair that failed, whether it can be proven to be impossible.
+    proofs: Mutex<BTreeMap<PairId, Option<Certificate>>>,
 }
 
 /// All alternatives of one pair at one level, or why there are none.
@@ -42,7 +45,7 @@ impl TransitionStage {
     pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
         let geometry = Geometry::new(&statement.problem)?;
         let solvers = statement.problem.robots.iter().map(ArmSolver::for_robot).collect();
-        Ok(Self { geometry, solvers, seed: statement.seed, found: Mutex::default() })
+        Ok(Self { geometry, solvers, seed: statement.seed, found: Mutex::default(), proofs: Mutex::default() })
     }
 
     fn solver(&self, robot: RobotId) -> &ArmSolver {
@@ -57,7 +60,11 @@ impl TransitionStage {
         let from = (job.first as usize).min(found.alternatives.len());
         let to = from.saturating_add(job.count as usize).min(found.alternatives.len());
         if found.alternatives.is_empty() {
-            return Ok(Outcome::soft_failure(found.causes.clone(), job.level, found.work));
+            let causes = found.causes.clone();
+            return Ok(match self.proof(job.pair) {
+                Some(certificate) => Outcome::infeasible(causes, certificate, found.work),
+                None => Outcome::soft_failure(causes, job.level, found.work),
+            });
         }
         Ok(Outcome::answer(Answer::Alternatives(found.alternatives[from..to].to_vec()), found.work))
     }
@@ -72,6 +79,18 @@ impl TransitionStage {
             memo.insert(key, found.clone());
         }
         Ok(found)
+    }
+
+    /// A proof that a pair is impossible wherever its object stands, if there is one.
+    fn proof(&self, pair: PairId) -> Option<Certificate> {
+        if let Some(known) = self.proofs.lock().ok().and_then(|memo| memo.get(&pair).cloned()) {
+            return known;
+        }
+        let proof = self.geometry.prove_no_transition(pair);
+        if let Ok(mut memo) = self.proofs.lock() {
+            memo.insert(pair, proof.clone());
+        }
+        proof
     }
 
     fn blockers(&self, job: &BlockersJob) -> Outcome {

@@ -142,6 +142,21 @@ impl Geometry {
         judge(a.posed(), b.posed(), &need, &nalgebra::zero()) != Verdict::Clear
     }
 
+    /// Bodies of the fixed objects.
+    pub(crate) fn fixed_obstacles(&self) -> &[Obstacle] {
+        &self.fixed
+    }
+
+    /// An object's solid, and where it is in the object's frame.
+    pub(crate) fn object_solid(&self, object: ObjectId) -> (&Solid, &Pose) {
+        let shape = &self.objects[object.index()];
+        (&shape.solid, &shape.object_from_solid)
+    }
+
+    pub(crate) fn robot_shape(&self, robot: RobotId) -> &RobotShape {
+        &self.robots[robot.index()]
+    }
+
     pub(crate) fn clearance(&self) -> f64 {
         self.problem.settings.clearance
     }

@@ -9,6 +9,7 @@ mod continuous;
 mod geometry;
 mod gjk;
 mod hull;
+mod impossible;
 mod motion;
 mod mover;
 mod obstacle;

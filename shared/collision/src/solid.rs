@@ -75,6 +75,17 @@ impl Solid {
         Ok((Self { core, rounding, half, radius: core_radius + rounding }, origin))
     }
 
+    /// The points of which a ball of radius `by` (m) fits into the solid; `None` if there are none, or if it is a mesh.
+    pub fn shrunk(&self, by: f64) -> Option<Self> {
+        let mut smaller = self.clone();
+        match &self.core {
+            Core::Point | Core::Segment => smaller.rounding -= by,
+            Core::Box | Core::Cylinder => smaller.half -= Vector3::repeat(by),
+            Core::Hull(_) => return None,
+        }
+        (smaller.rounding >= 0.0 && smaller.half.min() >= 0.0).then_some(smaller)
+    }
+
     /// A farthest point of the core in a direction, both in the solid's axes.
     pub fn core_support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         match &self.core {

@@ -49,7 +49,7 @@ pub(crate) fn check_blocked(problem: &Problem, at: &PairAt, grasp: &Grasp, by: &
     let fixed = by.iter().flat_map(|id| {
         let fixed = &problem.fixed[id.index()];
         let frame = Frame::of(&fixed.world_from_object);
-        fixed.bodies.iter().filter_map(Wedge::of).map(move |wedge| wedge.placed(&frame))
+        fixed.bodies.iter().map(move |body| Wedge::of(body).placed(&frame))
     });
     let mut cover = Cover { riders: hand(robot, grasp)?, fixed: fixed.collect(), object: &object };
     match Poses::of(problem, at)? {
@@ -60,11 +60,10 @@ pub(crate) fn check_blocked(problem: &Problem, at: &PairAt, grasp: &Grasp, by: &
         Poses::Within(patch) => {
             let tolerance = problem.settings.support_tolerance;
             cover.riders.iter_mut().for_each(|rider| rider.slack += tolerance);
-            if let Some(wedge) = Wedge::of(&problem.movable[at.pair.object.index()].body) {
-                // What it stands on may be overlapped by the tolerance; it may stand that much lower, and lean.
-                let slack = 2.0 * tolerance + UPRIGHT * wedge.reach + ROUNDING;
-                cover.riders.push(Rider { wedge, slack });
-            }
+            let wedge = Wedge::of(&problem.movable[at.pair.object.index()].body);
+            // What it stands on may be overlapped by the tolerance; it may stand that much lower, and lean.
+            let slack = 2.0 * tolerance + UPRIGHT * wedge.reach + ROUNDING;
+            cover.riders.push(Rider { wedge, slack });
             cover.check(&patch)
         }
     }
@@ -79,7 +78,7 @@ fn hand(robot: &Robot, grasp: &Grasp) -> Result<Vec<Rider>, String> {
     for opening in [robot.end_effector.max_opening, grasp.opening] {
         for (link, hand_from_link) in mechanism.riding_with(robot, robot.end_effector.parent_link, opening) {
             let object_from_link = object_from_hand * hand_from_link;
-            let wedges = robot.links[link.index()].bodies.iter().filter_map(Wedge::of);
+            let wedges = robot.links[link.index()].bodies.iter().map(Wedge::of);
             riders.extend(wedges.map(|wedge| {
                 let wedge = wedge.placed(&object_from_link);
                 Rider { slack: hand_slack(wedge.reach), wedge }

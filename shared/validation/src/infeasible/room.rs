@@ -1,7 +1,7 @@
 //! What there is room for in a region: areas covered at a common height, and widths.
 
 use glamx::{DVec2, DVec3};
-use model::{Problem, Region, RegionId, Settings};
+use model::{Problem, Region, RegionId, Settings, Shape};
 
 use crate::contact::UPRIGHT;
 use crate::frame::Frame;
@@ -56,6 +56,8 @@ impl Rectangle {
 /// A body that is in a region during a stay: where it is known to be.
 struct Guest {
     inside: Inside,
+    /// Area (m²) at every height, where it is that of an upright cylinder.
+    disc: Option<f64>,
     /// Heights between which it is for certain (m).
     bottom: f64,
     top: f64,
@@ -82,7 +84,13 @@ impl Guest {
         let inside = Inside::of(&object.body, &frame);
         let (low, high) = inside.heights();
         let is_start = stay.placed_by.is_none();
-        Ok(Self { inside, bottom: low + tolerance, top: high - tolerance, tolerance, is_start })
+        let disc = match &object.body.shape {
+            Shape::Cylinder { radius, .. } if is_upright(&(frame * Frame::of(&object.body.owner_from_shape))) => {
+                Some(std::f64::consts::PI * radius * radius)
+            }
+            _ => None,
+        };
+        Ok(Self { inside, disc, bottom: low + tolerance, top: high - tolerance, tolerance, is_start })
     }
 
     /// Area (m²) that it covers within the rectangle at a height, at least. The section's area as a function of the height
@@ -90,10 +98,18 @@ impl Guest {
     fn covered(&self, z: f64, rectangle: &Rectangle) -> f64 {
         let area = |z: f64| {
             let section = self.inside.section(z);
-            if self.is_start { rectangle.clip(section).area() } else { section.area() }
+            if !self.is_start {
+                return self.disc.unwrap_or(section.area());
+            }
+            let (whole, within) = (section.area(), rectangle.clip(section).area());
+            if within >= whole * (1.0 - SLACK) { self.disc.unwrap_or(within) } else { within }
         };
         area(z - self.tolerance).min(area(z + self.tolerance))
     }
+}
+
+fn is_upright(frame: &Frame) -> bool {
+    frame.rotation.z_axis.z.abs() >= 1.0 - LEVEL
 }
 
 /// Checks that stays cover together, at some height, more of a region than there is, and no less than claimed.

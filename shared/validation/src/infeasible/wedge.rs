@@ -23,14 +23,15 @@ pub(crate) struct Wedge {
     normals: Vec<DVec3>,
     /// Of parallel edges one.
     edges: Vec<DVec3>,
+    /// Whether the faces are not known: then the corners are nothing but points of the body.
+    mesh: bool,
     /// Farthest corner from the owner's origin, and from its z axis (m).
     pub(crate) reach: f64,
     pub(crate) swing: f64,
 }
 
 impl Wedge {
-    /// `None` for a mesh: its faces are not known.
-    pub(crate) fn of(body: &Body) -> Option<Self> {
+    pub(crate) fn of(body: &Body) -> Self {
         let (corners, normals, edges) = match &body.shape {
             Shape::Box { size } => block(DVec3::from(*size) / 2.0),
             Shape::Sphere { radius } => block(DVec3::splat(radius / 3.0_f64.sqrt())),
@@ -39,10 +40,11 @@ impl Wedge {
                 let part = radius * std::f64::consts::FRAC_1_SQRT_2;
                 prism(part, length / 2.0 + part)
             }
-            Shape::Hull { .. } => return None,
+            Shape::Hull { points } => (points_within(points), Vec::new(), Vec::new()),
         };
-        let wedge = Self { corners, normals, edges, reach: 0.0, swing: 0.0 };
-        Some(wedge.placed(&Frame::of(&body.owner_from_shape)))
+        let mesh = matches!(body.shape, Shape::Hull { .. });
+        let wedge = Self { corners, normals, edges, mesh, reach: 0.0, swing: 0.0 };
+        wedge.placed(&Frame::of(&body.owner_from_shape))
     }
 
     /// The same in another frame.
@@ -53,6 +55,7 @@ impl Wedge {
         Self {
             normals: turned(&self.normals),
             edges: turned(&self.edges),
+            mesh: self.mesh,
             reach: farthest(|corner| corner.length()),
             swing: farthest(|corner| corner.truncate().length()),
             corners,
@@ -61,6 +64,24 @@ impl Wedge {
 
     /// Depth of the overlap with another wedge in the same frame (m), at least; at most 0 if they are apart.
     pub(crate) fn depth(&self, other: &Wedge) -> f64 {
+        match (self.mesh, other.mesh) {
+            (false, false) => self.depth_of_polytopes(other),
+            (true, false) => self.deepest_corner(other),
+            (false, true) => other.deepest_corner(self),
+            (true, true) => 0.0,
+        }
+    }
+
+    /// A body is at least as deep in another as any of its points is.
+    fn deepest_corner(&self, other: &Wedge) -> f64 {
+        let depth = |corner: &DVec3| {
+            let point = Self { corners: vec![*corner], normals: Vec::new(), edges: Vec::new(), ..other.clone() };
+            point.depth_of_polytopes(other)
+        };
+        self.corners.iter().map(depth).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn depth_of_polytopes(&self, other: &Wedge) -> f64 {
         let square = self.edges.iter().flat_map(|a| other.edges.iter().map(move |b| a.cross(*b)));
         let square = square.filter(|n| n.length() > 1e-6).map(DVec3::normalize);
         let normals = self.normals.iter().chain(&other.normals).copied().chain(square);
@@ -85,6 +106,14 @@ fn block(half: DVec3) -> Parts {
     let corners = (0..8).map(|i| half * DVec3::new(side(i, 0), side(i, 1), side(i, 2))).collect();
     let axes = vec![DVec3::X, DVec3::Y, DVec3::Z];
     (corners, axes.clone(), axes)
+}
+
+/// Points of a hull: its corners, and on the lines between them and their middle.
+fn points_within(corners: &[nalgebra::Point3<f64>]) -> Vec<DVec3> {
+    let corners: Vec<DVec3> = corners.iter().map(|p| DVec3::new(p.x, p.y, p.z)).collect();
+    let middle = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+    let parts = [0.0, 0.25, 0.5, 0.75, 1.0];
+    corners.iter().flat_map(|corner| parts.map(|part| middle.lerp(*corner, part))).collect()
 }
 
 /// A prism about z whose long edges lie on a cylinder.

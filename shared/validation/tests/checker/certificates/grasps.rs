@@ -86,7 +86,7 @@ fn where_there_is_room_for_the_hand_the_proof_is_refused() {
     elsewhere(&problem, &certificate, "has room", |problem| {
         problem.movable[0].grasps[0][0].link_from_object = at(0.0, 0.0, -0.16);
     });
-    // A mesh of unknown faces is never in the way.
+    // Of a mesh only a few points are looked at, and none of these is in the hand.
     elsewhere(&problem, &certificate, "has room", |problem| {
         let points = problem.fixed[2].bodies[0].shape.support_points();
         problem.fixed[2].bodies[0].shape = Shape::Hull { points };

@@ -1,9 +1,11 @@
 //! Gluing pieces to the reversible roadmap of a mode.
 
+use std::ops::Range;
+
 use collision::Motion;
 use contract::{
-    CauseTally, Edge, EdgeKind, Interrupted, JobContext, ModeJob, ModeRoadmap, Obstruction, Product, ProductRef,
-    RoadmapPiece, VertexId,
+    CauseTally, Digest, Edge, EdgeKind, Interrupted, JobContext, ModeJob, ModeRoadmap, Obstruction, Product,
+    ProductRef, RoadmapPiece, VertexId,
 };
 use model::{AllowedContacts, Configuration, Robot};
 use plan::{BodyRef, Cause};
@@ -29,6 +31,8 @@ struct Glue<'a> {
     job: &'a ModeJob,
     vertices: Vec<Configuration>,
     edges: Vec<Edge>,
+    /// Edges by what they come from, each part with the digest of its motions.
+    parts: Vec<(Digest, Range<usize>)>,
 }
 
 /// The glued roadmap, or why the goal cannot be reached.
@@ -38,17 +42,21 @@ pub(crate) fn glue(
     context: &mut JobContext<'_>,
 ) -> Result<Result<Glued, CauseTally>, Interrupted> {
     let robot = stage.geometry.problem().robot(job.mode.robot);
-    let mut glue = Glue { stage, robot, job, vertices: Vec::new(), edges: Vec::new() };
+    let mut glue = Glue { stage, robot, job, vertices: Vec::new(), edges: Vec::new(), parts: Vec::new() };
     if let Some(base) = &job.base {
         let piece = glue.piece(base, context)?;
-        glue.append(piece);
+        glue.append(base.digest, piece);
     }
     let (start, start_stand) = glue.end(&job.start, job.start_arm.as_ref(), context)?;
     let (goal, goal_stand) = glue.end(&job.goal, job.goal_arm.as_ref(), context)?;
+    let of_pieces = glue.edges.len();
     if robot.base.is_some() {
         glue.connect_stand(start_stand, context)?;
         glue.connect_stand(goal_stand, context)?;
     }
+    let connections = of_pieces..glue.edges.len();
+    let digest = Digest::of("mrtamp connections", &[&contract::encode_canonical(&glue.ends_of(&connections))]);
+    glue.parts.push((digest, connections));
     glue.annotate(context)?;
     Ok(glue.finish(start, goal, start_stand))
 }
@@ -78,7 +86,8 @@ impl Glue<'_> {
         })
     }
 
-    fn append(&mut self, piece: RoadmapPiece) {
+    fn append(&mut self, digest: Digest, piece: RoadmapPiece) {
+        self.parts.push((digest, self.edges.len()..self.edges.len() + piece.edges.len()));
         let places: Vec<usize> = piece.vertices.iter().map(|q| self.vertex(q)).collect();
         for mut edge in piece.edges {
             edge.a = VertexId::at(places[edge.a.index()]);
@@ -107,7 +116,7 @@ impl Glue<'_> {
         if !piece.vertices.contains(q) || !piece.vertices.contains(&stand) {
             return Err(Interrupted::Unfit("the arm piece does not end where the mode does".to_owned()));
         }
-        self.append(piece);
+        self.append(arm.digest, piece);
         Ok((self.vertex(q), self.vertex(&stand)))
     }
 
@@ -140,19 +149,35 @@ impl Glue<'_> {
         Motion { robot: self.job.mode.robot, holding: self.job.holding, from, to, allowed }
     }
 
+    /// What a list of motions without a piece depends on.
+    #[allow(clippy::type_complexity, reason = "it is only encoded")]
+    fn ends_of(&self, edges: &Range<usize>) -> (model::RobotId, Option<model::Holding>, Vec<[&Configuration; 2]>) {
+        let ends = self.edges[edges.clone()].iter().map(|e| [e.a, e.b].map(|v| &self.vertices[v.index()]));
+        (self.job.mode.robot, self.job.holding, ends.collect())
+    }
+
     /// Marks every edge with the standing objects that block it: possible ones by their index, certain ones after them.
     fn annotate(&mut self, context: &mut JobContext<'_>) -> Result<(), Interrupted> {
-        for i in 0..self.edges.len() {
-            context.spend(1)?;
-            let (a, b, allowed) = (self.edges[i].a.index(), self.edges[i].b.index(), self.edges[i].allowed);
-            let motion = self.motion(a, b, allowed);
-            self.edges[i].blockers = (0_u32..)
-                .zip(self.job.possible.iter().chain(&self.job.certain))
-                .filter(|(_, obstruction)| self.stage.geometry.motion_hits(&motion, &obstruction.standing).is_some())
-                .map(|(index, _)| index)
+        for (digest, edges) in self.parts.clone() {
+            // What the memo knows already costs the same work, for work is part of the answer.
+            edges.clone().try_for_each(|_| context.spend(1).map(|_| ()))?;
+            let motions = || edges.clone().map(|i| self.motion_of(&self.edges[i])).collect();
+            let all = self.job.possible.iter().chain(&self.job.certain);
+            let blocked: Vec<_> = all
+                .map(|obstruction| {
+                    let stage = self.stage;
+                    stage.blocked.by(&stage.geometry, digest, &motions, &obstruction.standing)
+                })
                 .collect();
+            for (index, blocked) in (0_u32..).zip(&blocked) {
+                blocked.iter().for_each(|i| self.edges[edges.start + i].blockers.push(index));
+            }
         }
         Ok(())
+    }
+
+    fn motion_of(&self, edge: &Edge) -> Motion {
+        self.motion(edge.a.index(), edge.b.index(), edge.allowed)
     }
 
     fn finish(self, start: usize, goal: usize, start_stand: usize) -> Result<Glued, CauseTally> {

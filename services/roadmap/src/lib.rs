@@ -6,6 +6,7 @@
 
 mod arm;
 mod base;
+mod blocked;
 mod connect;
 mod glue;
 mod graph;
@@ -23,6 +24,8 @@ use kinematics::ArmSolver;
 use model::PairId;
 use plan::{Certificate, PairEnd};
 
+use blocked::BlockedMotions;
+
 /// The roadmap stage.
 pub struct RoadmapStage {
     geometry: Geometry,
@@ -30,6 +33,8 @@ pub struct RoadmapStage {
     seed: u64,
     /// Blocked or free, by motion: a memo of continuous tests against fixed objects.
     free: Mutex<BTreeMap<Vec<u8>, bool>>,
+    /// Motions that standing objects block.
+    blocked: BlockedMotions,
     /// For each end of a pair to which no way was found, whether it can be proven that there is none.
     proofs: Mutex<BTreeMap<(PairId, PairEnd), Option<Certificate>>>,
 }
@@ -42,7 +47,14 @@ impl RoadmapStage {
     pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
         let geometry = Geometry::new(&statement.problem)?;
         let solvers = statement.problem.robots.iter().map(ArmSolver::for_robot).collect();
-        Ok(Self { geometry, solvers, seed: statement.seed, free: Mutex::default(), proofs: Mutex::default() })
+        Ok(Self {
+            geometry,
+            solvers,
+            seed: statement.seed,
+            free: Mutex::default(),
+            blocked: BlockedMotions::default(),
+            proofs: Mutex::default(),
+        })
     }
 
     fn piece(&self, job: &PieceJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {

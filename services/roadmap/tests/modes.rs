@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use collision::{Geometry, Motion};
 use contract::{
     Answer, CompositeMethod, Edge, Job, JobContext, MemoryProducts, ModeJob, ModeRoadmap, Obstruction, Outcome,
-    PieceJob, PieceSpec, ProblemStatement, Product, ProductRef, Products, Request, Stage,
+    PieceJob, PieceSpec, ProblemStatement, Product, ProductRef, Products, RandomStream, Request, Stage, StageKind,
 };
 use model::{DiskFiles, FixedObject, ObjectId, Problem, RobotId, Standing, load_problem};
 use nalgebra::Translation3;
@@ -150,6 +150,64 @@ fn a_certain_object_removes_edges_and_a_possible_one_only_marks_them() {
     assert!(longer > 0.9 / problem.robots[0].base.as_ref().unwrap().speed);
     for edge in &removed.edges {
         bench.assert_free(&removed.vertices, edge, RobotId(0), &[box_between.standing]);
+    }
+}
+
+/// Objects on the floor round the first robot, as random values have it.
+fn scattered(problem: &Problem, seed: u64, count: u64) -> Vec<Obstruction> {
+    let start = &problem.robots[0].start;
+    let random = RandomStream::new(seed, StageKind::Roadmap, &["test"], "scattered");
+    let place = |index: u64| {
+        let [object, x, y]: [f64; 3] = random.unit(index);
+        on_the_floor(
+            problem,
+            (object * problem.movable.len() as f64) as u32,
+            start[0] - 2.5 * x,
+            start[1] + 3.0 * y - 1.5,
+        )
+    };
+    (0..count).map(place).collect()
+}
+
+#[test]
+fn every_edge_is_marked_with_the_objects_that_its_motion_hits_and_no_others() {
+    let bench = Bench::of_scene("figure1");
+    let robot = bench.statement.problem.robot(RobotId(0));
+    let start = &robot.start;
+    let (mut hits, mut misses) = (0, 0);
+    for seed in 0..6 {
+        let possible = scattered(&bench.statement.problem, seed, 5);
+        let goal = [start[0] - 0.9, start[1], start[2] + 0.1 * seed as f64];
+        let (roadmap, ..) = bench.roadmap(bench.drive(goal, Vec::new(), possible.clone()));
+        for edge in &roadmap.edges {
+            let from = roadmap.vertices[edge.a.index()].clone();
+            let to = robot.short_way(&from, &roadmap.vertices[edge.b.index()]);
+            let motion = Motion { robot: RobotId(0), holding: None, from, to, allowed: edge.allowed };
+            for (index, obstruction) in (0_u32..).zip(&possible) {
+                let hit = bench.geometry.motion_hits(&motion, &obstruction.standing).is_some();
+                assert_eq!(edge.blockers.contains(&index), hit, "seed {seed}, edge {edge:?}, object {index}");
+                (hits, misses) = (hits + usize::from(hit), misses + usize::from(!hit));
+            }
+        }
+    }
+    assert!(hits > 300 && misses > 300, "{hits} hits, {misses} misses");
+}
+
+#[test]
+fn what_a_stage_remembers_changes_no_answer_and_no_work() {
+    let experienced = Bench::of_scene("figure1");
+    let problem = &experienced.statement.problem;
+    let start = &problem.robots[0].start;
+    // The same goals and poses come again and again, in other company.
+    for round in 0..8_u64 {
+        let mut poses = scattered(problem, round % 3, 3);
+        poses.extend(scattered(problem, round % 2 + 10, 2));
+        let certain = poses.split_off(2 + round as usize % 3);
+        let goal = [start[0] - 0.9, start[1], start[2] + 0.2 * (round % 2) as f64];
+        let fresh = Bench::of_scene("figure1");
+        let outcomes = [&experienced, &fresh].map(|bench| bench.drive(goal, certain.clone(), poses.clone()));
+        // Products are named by their content.
+        assert_eq!(outcomes[0], outcomes[1], "round {round}");
     }
 }
 

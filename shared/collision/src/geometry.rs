@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use model::{FixedId, ObjectId, Pose, Problem, RobotId};
+use nalgebra::Point3;
 
 use crate::continuous::Passage;
 use crate::hull;
@@ -132,6 +133,13 @@ impl Geometry {
             !supports.contains(k) && judge(object.posed(), obstacle.posed(), &need, &nalgebra::zero()) != Verdict::Clear
         });
         touched.map(|(_, obstacle)| Contact { first: object.name, second: obstacle.name })
+    }
+
+    /// Least and greatest corner in the world of a box around a standing object (m).
+    #[must_use]
+    pub fn standing_bounds(&self, standing: &Standing) -> (Point3<f64>, Point3<f64>) {
+        let object = self.obstacle(standing);
+        (object.least.into(), object.greatest.into())
     }
 
     /// Whether two standing objects are nearer than the clearance.

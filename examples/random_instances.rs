@@ -1,5 +1,6 @@
 //! Plans many random problems and prints a table:
-//! `cargo run --release --example random_instances -- [SMALL] [LARGE] [FIRST_SEED]` (900, 100, 0).
+//! `cargo run --release --example random_instances -- [SMALL] [LARGE] [FIRST_SEED] [WORK]` (900, 100, 0, 1000000). Those without a
+//! plan are listed with their commonest cause.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used, reason = "a tool for developers")]
 
@@ -14,11 +15,9 @@ use std::time::Instant;
 
 use contract::{AskFault, CompositeMethod};
 use generator::Size;
+use launch::words;
 use plan::ResultKind;
 use refiner::End;
-
-/// Work units of one run.
-const LIMIT: u64 = 200_000;
 
 /// Outcomes of one size.
 #[derive(Default)]
@@ -33,10 +32,19 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, size: Size, seed: u64) {
+    fn add(&mut self, size: Size, seed: u64, limit: u64) {
         let (problem, began) = (generator::problem(size, seed), Instant::now());
-        let found = run::run_with(&problem, seed, CompositeMethod::Prioritised, LIMIT, None);
+        let found = run::run_with(&problem, seed, CompositeMethod::Prioritised, limit, None);
         self.times_s.push(began.elapsed().as_secs_f64());
+        if let End::Failed { result, causes, certificate } = &found.end {
+            let cause = causes.first().map_or(String::new(), |(cause, _)| words::cause(cause));
+            let proof = certificate.as_ref().map_or(cause, words::proof);
+            println!("{size:?} {seed}: {result:?} after {} work units: {proof}", found.work);
+            if let Some(Err(why)) = certificate.as_ref().map(|certificate| run::verify(&problem, certificate)) {
+                println!("{size:?} {seed}: the checker refuses the certificate: {why}");
+                self.refused += 1;
+            }
+        }
         match (&found.end, &found.plan) {
             (End::Solved { .. }, Some(plan)) => match validation::check_plan(&problem, plan) {
                 Ok(_) => self.solved += 1,
@@ -82,10 +90,11 @@ fn main() {
     let mut numbers = std::env::args().skip(1).map(|word| word.parse().expect("a number"));
     let (small, large) = (numbers.next().unwrap_or(900), numbers.next().unwrap_or(100));
     let first: u64 = numbers.next().unwrap_or(0);
+    let limit: u64 = numbers.next().unwrap_or(1_000_000);
     println!("size      runs  solved  proven  exhausted  limited  refused  faults  median s    95 % s     max s");
     for (size, count) in [(Size::Small, small), (Size::Large, large)] {
         let mut tally = Tally::default();
-        (first..first + count).for_each(|seed| tally.add(size, seed));
+        (first..first + count).for_each(|seed| tally.add(size, seed, limit));
         tally.print(size);
     }
 }

@@ -2,9 +2,10 @@
 
 use contract::CompositeMethod::Prioritised;
 use plan::Plan;
+use refiner::End;
 
 use crate::generator::{Size, problem};
-use crate::run::run_with;
+use crate::run::{run_with, verify};
 
 /// Work units of one run.
 const LIMIT: u64 = 40_000;
@@ -24,6 +25,9 @@ fn solved(size: Size, seeds: std::ops::Range<u64>, again_every: u64) -> usize {
                 panic!("the checker refuses the plan of {size:?} {seed}: {violations:?}");
             }
             solved += 1;
+        }
+        if let End::Failed { certificate: Some(certificate), .. } = &found.end {
+            verify(&problem, certificate).unwrap_or_else(|why| panic!("{size:?} {seed}: {why}"));
         }
         if seed % again_every == 0 {
             let again = run_with(&problem, seed, Prioritised, LIMIT, None);

@@ -11,7 +11,7 @@ use contract::{
 use launch::ending::finished_plan;
 use launch::stages::{BusyTimes, own_stages};
 use model::Problem;
-use plan::Plan;
+use plan::{Certificate, Failure, Plan, Provenance, ResultKind};
 use refiner::{End, refine_plan};
 
 /// Work units of transition, roadmap and composite after which a run is cut short, if nothing else is said.
@@ -102,4 +102,23 @@ pub fn run_with(
     };
     let plan = plan.map(|bytes| finished_plan(&statement, &refinement.ledger, &bytes).expect("a plan"));
     Run { end: refinement.end, plan, ledger: refinement.ledger, asked: watched.asked, work: watched.work }
+}
+
+/// What the checker says of a certificate.
+pub fn verify(problem: &Problem, certificate: &Certificate) -> Result<(), String> {
+    let failure = Failure {
+        format: plan::FAILURE_FORMAT.to_owned(),
+        problem: problem.name.clone(),
+        result: ResultKind::InfeasibleProven,
+        causes: Vec::new(),
+        certificate: Some(certificate.clone()),
+        stages: Vec::new(),
+        provenance: Provenance {
+            problem_digest: String::new(),
+            seed: 0,
+            implementations: Vec::new(),
+            ledger_digest: String::new(),
+        },
+    };
+    validation::check_failure(problem, &failure).map_err(|violations| format!("not verified: {violations:?}"))
 }

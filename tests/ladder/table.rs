@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use contract::{CompositeMethod, StageKind};
-use plan::{BodyRef, Cause, Certificate, Failure, Plan, Provenance, ResultKind};
+use plan::{BodyRef, Cause, Certificate, Plan, ResultKind};
 use refiner::End;
 
 use crate::facts::discovered;
-use crate::run::{Run, run};
+use crate::run::{Run, run, verify};
 use crate::rungs::{Expected, Last, Orders, Proof, RUNGS, Reason, Rung};
 use crate::scene;
 
@@ -74,25 +74,6 @@ fn fits(plan: &Plan, orders: &Orders, within: f64) -> Result<(), String> {
     let (task_s, bound_s) = (plan.makespan.task_s, plan.lower_bound.seconds);
     let is_short = bound_s <= task_s + 1e-9 && task_s <= within * bound_s;
     if is_short { Ok(()) } else { Err(format!("a makespan of {task_s} s over a bound of {bound_s} s")) }
-}
-
-/// What the checker says of a certificate.
-fn verify(problem: &model::Problem, certificate: &Certificate) -> Result<(), String> {
-    let failure = Failure {
-        format: plan::FAILURE_FORMAT.to_owned(),
-        problem: problem.name.clone(),
-        result: ResultKind::InfeasibleProven,
-        causes: Vec::new(),
-        certificate: Some(certificate.clone()),
-        stages: Vec::new(),
-        provenance: Provenance {
-            problem_digest: String::new(),
-            seed: 0,
-            implementations: Vec::new(),
-            ledger_digest: String::new(),
-        },
-    };
-    validation::check_failure(problem, &failure).map_err(|violations| format!("not verified: {violations:?}"))
 }
 
 impl Reason {

@@ -84,7 +84,7 @@ impl<'a> Actor<'a> {
     fn room_of(&mut self, next: usize) -> (DVec3, f64) {
         let from = self.track.knots[next.saturating_sub(1)].t;
         let to = self.track.knots.get(next).map_or(from, |knot| knot.t.max(from));
-        self.enter(f64::midpoint(from, to));
+        self.enter((from, to));
         let ball = self.ball();
         (ball.centre, ball.radius + ball.speed * (to - from) / 2.0 + 1e-6)
     }
@@ -94,14 +94,15 @@ impl<'a> Actor<'a> {
         self.rooms[self.track.knots.partition_point(|knot| knot.t <= t)]
     }
 
-    /// Turns to the leg that contains `t`, and places the robot there. Returns whether it holds something else than before.
-    pub(crate) fn enter(&mut self, t: f64) -> bool {
-        self.leg = self.track.leg(t);
+    /// Turns to the leg of a stretch of time without a knot inside it, and places the robot at its middle. Returns whether
+    /// it holds something else than before. The stretch may be so short that no number lies between its ends.
+    pub(crate) fn enter(&mut self, stretch: (f64, f64)) -> bool {
+        self.leg = self.track.leg(stretch.0);
         self.mechanism.rates(&self.leg, &mut self.rates);
-        let held = self.load_at(t);
+        let held = self.load_at(stretch.0);
         let changed = held != self.held;
         self.held = held;
-        self.place(t);
+        self.place(f64::midpoint(stretch.0, stretch.1));
         changed
     }
 

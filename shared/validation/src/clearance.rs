@@ -93,17 +93,16 @@ fn check_between<'a>(
     let columns = b.link_bodies() + 1;
     let mut sweep = Sweep::new((a.link_bodies() + 1) * columns);
     for stretch in stretches(a.track.times().chain(b.track.times()), horizon) {
-        let middle = f64::midpoint(stretch.0, stretch.1);
-        let ((near, near_radius), (far, far_radius)) = (a.room(middle), b.room(middle));
+        let ((near, near_radius), (far, far_radius)) = (a.room(stretch.0), b.room(stretch.0));
         if near.distance(far) > near_radius + far_radius {
             sweep.tally.intervals += 1;
             continue;
         }
-        if a.enter(middle) {
+        if a.enter(stretch) {
             let row = a.link_bodies() * columns;
             sweep.renew(row..row + columns);
         }
-        if b.enter(middle) {
+        if b.enter(stretch) {
             sweep.renew((0..=a.link_bodies()).map(|i| i * columns + columns - 1));
         }
         let (rows, width) = (a.bodies(), b.bodies());
@@ -128,7 +127,7 @@ fn check_itself(actor: &mut Actor, horizon: f64, verdict: &mut Verdict, wrong: &
     let load = columns - 1;
     let untouchable: Vec<usize> = (0..load).filter(|i| !robot.is_touch_link(actor.link(*i))).collect();
     for stretch in stretches(actor.track.times(), horizon) {
-        if actor.enter(f64::midpoint(stretch.0, stretch.1)) {
+        if actor.enter(stretch) {
             sweep.renew((0..columns).map(|i| slot(i, load)));
         }
         let with_load = if actor.hold().is_some() { untouchable.as_slice() } else { &[] };
@@ -175,7 +174,7 @@ fn check_around(
     let windows = own.iter().flat_map(|hold| surroundings.windows[*hold].breaks());
     for stretch in stretches(actor.track.times().chain(presence).chain(windows), script.horizon()) {
         let middle = f64::midpoint(stretch.0, stretch.1);
-        if actor.enter(middle) {
+        if actor.enter(stretch) {
             sweep.renew(load * columns..(load + 1) * columns);
         }
         let (hold, ball, half) = (actor.hold(), actor.ball(), (stretch.1 - stretch.0) / 2.0);
@@ -184,7 +183,7 @@ fn check_around(
             let still = &surroundings.bodies[*k];
             // Somewhat more than the sum, for what an allowed contact may overlap.
             let reach = 1.01 * ball.radius + still.solid.radius + ball.speed * half + 1e-2;
-            still.from <= middle && middle <= still.to && still.placed.centre.distance(ball.centre) <= reach
+            still.from <= stretch.0 && stretch.1 <= still.to && still.placed.centre.distance(ball.centre) <= reach
         });
         let candidate = |first: usize, second: usize| {
             let touches = |hold: &usize| surroundings.hand_may_touch(*hold, second, middle);

@@ -167,7 +167,7 @@ impl Obstructed {
         stops.insert(0, self.from);
         stops.push(self.to);
         for leg in stops.windows(2) {
-            actor.enter(f64::midpoint(leg[0], leg[1]));
+            actor.enter((leg[0], leg[1]));
             let ball = actor.ball();
             let reach = ball.radius + ball.speed * (leg[1] - leg[0]) / 2.0 + object.radius + near;
             if ball.centre.distance(still.centre) > reach {

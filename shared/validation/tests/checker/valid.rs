@@ -29,6 +29,21 @@ fn two_gantries_work_side_by_side() {
 }
 
 #[test]
+fn events_with_no_number_between_their_times_are_told_apart() {
+    for next in [f64::next_up, f64::next_down] {
+        let (problem, mut plan) = side_by_side();
+        let (theirs, knot) = (plan.events[0].t, plan.events[1].knot);
+        assert_eq!(plan.events[1].t.to_bits(), theirs.to_bits(), "the scene has changed");
+        let late = plan.events[1].robot.clone();
+        let robot = plan.robots.iter_mut().find(|robot| robot.name == late).unwrap();
+        robot.knots[knot].t = next(theirs);
+        plan.events[1].t = next(theirs);
+        plan.events.sort_by(|a, b| a.t.total_cmp(&b.t));
+        accepted(&problem, &plan);
+    }
+}
+
+#[test]
 fn a_rover_returns_or_stays() {
     for policy in [EndPolicy::Return, EndPolicy::Stay] {
         let (problem, plan) = rover_round_wall(policy);

@@ -25,6 +25,7 @@ pub mod schema_command;
 pub mod set;
 pub mod stage_command;
 pub mod stages;
+pub mod start_check;
 pub mod view;
 pub mod view_command;
 pub mod words;

@@ -18,6 +18,7 @@ use crate::in_process::RunEnd;
 use crate::packages::PackageArgs;
 use crate::processes::Members;
 use crate::progress::Progress;
+use crate::result_file::refuse_unwritable;
 use crate::set::launch_file;
 use crate::{in_process, problem_source, processes};
 
@@ -88,6 +89,7 @@ impl From<Composite> for CompositeMethod {
 /// A report for the user.
 pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
     let problem = problem_source::load_with(args.problem.as_deref(), &args.packages)?;
+    refuse_unwritable(&args.out)?;
     let statement = Arc::new(ProblemStatement::new(problem, args.seed, args.composite.into()));
     let progress = Progress::new(statement.clone(), args.json);
     let cancelled = cancelled_by_signal().into_diagnostic()?;

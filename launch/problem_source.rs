@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use miette::Report;
-use model::{EmbeddedFiles, Problem, ProblemError, load_problem};
+use model::{EmbeddedFiles, Files, Problem, ProblemError, load_problem_with_places};
 
 use crate::exit::BadInput;
 use crate::packages::PackageArgs;
+use crate::start_check::refuse_collisions;
 
 macro_rules! embedded {
     ($($path:literal),* $(,)?) => { &[$(($path, include_bytes!($path))),*] };
@@ -72,14 +73,20 @@ pub fn load(named: Option<&Path>) -> miette::Result<Problem> {
 /// A report that names file, line and remedy; its exit code is that of bad input.
 pub fn load_with(named: Option<&Path>, packages: &PackageArgs) -> miette::Result<Problem> {
     let Some(path) = named else {
-        return load_problem(&BUILT_IN, &scene(DEFAULT_SCENE)).map_err(report);
+        return checked(&BUILT_IN, &scene(DEFAULT_SCENE));
     };
     let name = path.to_string_lossy();
     let built_in = BUILT_IN.0.iter().any(|(file, _)| *file == scene(&name));
     if built_in && !path.exists() {
-        return load_problem(&BUILT_IN, &scene(&name)).map_err(report);
+        return checked(&BUILT_IN, &scene(&name));
     }
-    load_problem(&packages.files(), &name).map_err(report)
+    checked(&packages.files(), &name)
+}
+
+fn checked(files: &dyn Files, path: &str) -> miette::Result<Problem> {
+    let (problem, places) = load_problem_with_places(files, path).map_err(report)?;
+    refuse_collisions(&problem, &places)?;
+    Ok(problem)
 }
 
 fn scene(name: &str) -> String {

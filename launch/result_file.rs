@@ -57,6 +57,28 @@ pub fn unreadable(path: &Path, error: &PlanFileError, format: &str) -> Report {
     })
 }
 
+/// Makes the folder of results and sees that files can be written there, before any work is done for them.
+///
+/// # Errors
+/// Bad input: why they cannot.
+pub fn refuse_unwritable(folder: &Path) -> miette::Result<()> {
+    let refuse = |path: &Path, why: String| {
+        let message = format!("{}: {why}", path.display());
+        Report::new(BadInput { message, help: Some("name a folder that can be written with --out DIR".to_owned()) })
+    };
+    std::fs::create_dir_all(folder).map_err(|error| refuse(folder, format!("no such folder can be made: {error}")))?;
+    for name in ["plan.json", "plan.html", "failure.json", "failure.html"] {
+        let path = folder.join(name);
+        if path.is_dir() {
+            return Err(refuse(&path, "is a folder, where a result is to be written".to_owned()));
+        }
+    }
+    // As `write_whole` would: permissions, read-only and full disks are only known by trying.
+    let trial = folder.join(format!(".trial.{}.unfinished", std::process::id()));
+    let written = std::fs::write(&trial, b"mrtamp").and_then(|()| std::fs::remove_file(&trial));
+    written.map_err(|error| refuse(folder, format!("no file can be written there: {error}")))
+}
+
 /// Writes a file whole or not at all: aside first, then renamed.
 ///
 /// # Errors

@@ -14,9 +14,11 @@ mod motion;
 mod mover;
 mod obstacle;
 mod own_links;
+mod penetration;
 mod robot_shape;
 mod separation;
 mod solid;
+mod start;
 mod sweep;
 
 pub use contact::{BodyName, Contact};
@@ -24,4 +26,5 @@ pub use geometry::{Geometry, GeometryError};
 pub use hull::{HullSurface, hull_surface};
 pub use model::{AllowedContacts, Holding, Standing};
 pub use motion::Motion;
+pub use start::StartContact;
 pub use sweep::Sweep;

@@ -26,6 +26,8 @@ pub enum FindingKind {
     BadNumber,
     /// Something stands where it cannot.
     BadPlace,
+    /// Two bodies that overlap, or nearly, where they are at the start.
+    StartCollision,
     /// A robot's URDF or SRDF does not describe a robot that can be planned for.
     BadRobot,
     /// Pairs that do not fit one another or the scene.
@@ -47,6 +49,7 @@ impl FindingKind {
             Self::BadName => "bad_name",
             Self::BadNumber => "bad_number",
             Self::BadPlace => "bad_place",
+            Self::StartCollision => "start_collision",
             Self::BadRobot => "bad_robot",
             Self::BadTask => "bad_task",
             Self::CyclicOrder => "cyclic_order",

@@ -4,6 +4,7 @@ mod support;
 
 use model::{Problem, load_problem};
 use proptest::prelude::*;
+use support::mutants::{Random, mutant};
 use support::{PROBLEM, SRDF, URDF, good, meshes, render};
 
 /// A change to the text of one file.
@@ -150,6 +151,31 @@ proptest! {
             prop_assert!(render(&error).contains("help:"), "{}", render(&error));
         }
     }
+}
+
+/// Mutants here; `cargo run --release --example mutants` tries as many as one likes.
+const MUTANTS: u64 = 3_000;
+
+#[test]
+fn mutants_behind_the_parsers_are_read_or_refused_with_findings() {
+    let mut behind = 0;
+    for seed in 0..MUTANTS {
+        let mut random = Random(seed);
+        let path = [PROBLEM, PROBLEM, URDF, SRDF][random.below(4)];
+        let mut files = good();
+        let text = String::from_utf8(files.0[path].clone()).unwrap();
+        files.0.insert(path.to_owned(), mutant(&mut random, &text));
+        match load_problem(&files, PROBLEM) {
+            Ok(problem) => assert!(is_sound(&problem), "mutant {seed} of {path}"),
+            Err(error) => {
+                let told = |finding: &model::Finding| miette::Diagnostic::help(finding).is_some();
+                assert!(error.findings().iter().all(told), "mutant {seed} of {path}: {error}");
+                let malformed = |finding: &model::Finding| finding.kind() == model::FindingKind::Malformed;
+                behind += u64::from(!error.findings().iter().any(malformed));
+            }
+        }
+    }
+    assert!(behind > MUTANTS / 5, "only {behind} mutants get past the parsers and are refused behind them");
 }
 
 #[test]

@@ -22,13 +22,14 @@ mod words;
 use std::collections::BTreeSet;
 
 use crate::problem_error::{FindingKind, Findings, Found, ProblemError, Source, Span};
-use crate::{Files, FixedObject, GivenOrdering, MovableObject, Problem, Region, Robot, Settings};
+use crate::{Files, FixedObject, GivenOrdering, MovableObject, Places, Problem, Region, Robot, Settings};
 
 pub(crate) use names::did_you_mean;
 pub(crate) use numbers::GREATEST;
 pub(crate) use parse::{read_text, why_unread};
 
-use syntax::ProblemFile;
+use at::At;
+use syntax::{PoseFile, ProblemFile, RobotFile};
 
 /// Most robots, and most objects and regions of each kind.
 const MAX_ROBOTS: usize = 1_000;
@@ -43,6 +44,14 @@ const MAX_PAIRS: usize = 100_000;
 /// # Errors
 /// What is wrong, with file, line and remedy: all findings of the first step that has any.
 pub fn load_problem(files: &dyn Files, path: &str) -> Result<Problem, ProblemError> {
+    load_problem_with_places(files, path).map(|(problem, _)| problem)
+}
+
+/// As [`load_problem`], with the places of its parts in the file.
+///
+/// # Errors
+/// As [`load_problem`].
+pub fn load_problem_with_places(files: &dyn Files, path: &str) -> Result<(Problem, Places), ProblemError> {
     let source = parse::read_text(files, path)?;
     let file = parse::parse(&source)?;
     check_counts(&source, &file)?;
@@ -54,7 +63,8 @@ pub fn load_problem(files: &dyn Files, path: &str) -> Result<Problem, ProblemErr
     grasps(&source, &file, &pairs, &mut scene)?;
     supports(&source, &file, &pairs, &mut scene, &settings)?;
     let stem = path.rsplit('/').next().unwrap_or(path);
-    Ok(Problem {
+    let places = places(&source, &file);
+    let problem = Problem {
         name: file.name.map_or_else(|| stem.split('.').next().unwrap_or(stem).to_owned(), |at| at.value),
         end_policies: file.robots.iter().map(|robot| robot.end).collect(),
         robots: scene.robots,
@@ -65,7 +75,22 @@ pub fn load_problem(files: &dyn Files, path: &str) -> Result<Problem, ProblemErr
         orderings,
         settings,
         levels,
-    })
+    };
+    Ok((problem, places))
+}
+
+fn places(source: &Source, file: &ProblemFile) -> Places {
+    let pose = |at: &At<PoseFile>| at.xyz.as_ref().map_or(at.span, |xyz| xyz.span);
+    let robot = |entry: &RobotFile| {
+        let posed = || entry.pose.as_ref().map_or(entry.name.span, pose);
+        entry.start.as_ref().map_or_else(posed, |start| start.span)
+    };
+    Places {
+        source: source.clone(),
+        robots: file.robots.iter().map(|entry| robot(entry)).collect(),
+        fixed: file.fixed.iter().map(|entry| entry.pose.as_ref().map_or(entry.name.span, pose)).collect(),
+        movable: file.movable.iter().map(|entry| pose(&entry.pose)).collect(),
+    }
 }
 
 /// The JSON Schema of problem files.
@@ -82,13 +107,12 @@ struct Scene {
 }
 
 fn check_counts(source: &Source, file: &ProblemFile) -> Found<()> {
-    let top = Span { offset: 0, len: 0 };
     let counts = [
         ("robots", file.robots.len(), 1, MAX_ROBOTS, file.robots.span),
-        ("fixed", file.fixed.len(), 0, MAX_OBJECTS, top),
-        ("movable", file.movable.len(), 0, MAX_OBJECTS, top),
-        ("regions", file.regions.len(), 0, MAX_OBJECTS, top),
-        ("orderings", file.orderings.len(), 0, MAX_PAIRS, top),
+        ("fixed", file.fixed.len(), 0, MAX_OBJECTS, beyond(&file.fixed, MAX_OBJECTS)),
+        ("movable", file.movable.len(), 0, MAX_OBJECTS, beyond(&file.movable, MAX_OBJECTS)),
+        ("regions", file.regions.len(), 0, MAX_OBJECTS, beyond(&file.regions, MAX_OBJECTS)),
+        ("orderings", file.orderings.len(), 0, MAX_PAIRS, beyond(&file.orderings, MAX_PAIRS)),
     ];
     for (key, count, least, most, span) in counts {
         if count < least || count > most {
@@ -98,6 +122,11 @@ fn check_counts(source: &Source, file: &ProblemFile) -> Found<()> {
         }
     }
     Ok(())
+}
+
+/// The first entry beyond `most`.
+fn beyond<T>(entries: &[At<T>], most: usize) -> Span {
+    entries.get(most).map_or(Span { offset: 0, len: 0 }, |entry| entry.span)
 }
 
 fn check_names(source: &Source, file: &ProblemFile) -> Result<(), ProblemError> {

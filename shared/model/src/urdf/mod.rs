@@ -3,6 +3,7 @@
 //! `urdf_rs` reads the URDF, but it accepts almost anything and knows no lines; everything is therefore checked here first,
 //! on the XML itself.
 
+mod collada;
 mod hull;
 mod joints;
 mod mesh;

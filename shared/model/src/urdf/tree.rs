@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use roxmltree::Node;
 
 use super::xml::{attribute, child, span};
-use crate::problem_error::{FindingKind, Found, Source};
+use crate::problem_error::{Finding, FindingKind, Found, Source, Span};
 
 /// Links and joints by position in the file, in an order in which parents come first.
 pub(crate) struct Tree {
@@ -20,6 +20,8 @@ pub(crate) fn tree(source: &Source, links: &[Node<'_, '_>], joints: &[Node<'_, '
     let index = names(source, links, "link")?;
     names(source, joints, "joint")?;
     let mut parent_joint: Vec<Option<usize>> = vec![None; links.len()];
+    // Of each joint, the link that it hangs on.
+    let mut joint_parents = Vec::with_capacity(joints.len());
     let mut child_joints: Vec<Vec<(usize, usize)>> = vec![Vec::new(); links.len()];
     for (position, joint) in joints.iter().enumerate() {
         let parent = end(source, *joint, "parent", &index)?;
@@ -31,16 +33,16 @@ pub(crate) fn tree(source: &Source, links: &[Node<'_, '_>], joints: &[Node<'_, '
                 .help("every link has one parent: robots with closed chains cannot be planned for"));
         }
         parent_joint[moved] = Some(position);
+        joint_parents.push(parent);
         child_joints[parent].push((position, moved));
     }
-    let root = root(source, links, &parent_joint)?;
+    let parent_of = |link: usize| parent_joint[link].map(|joint| (joint, joint_parents[joint]));
+    let Some(root) = root(source, links, &parent_joint)? else { return Err(cycle(source, joints, 0, &parent_of)) };
     let tree = walk(root, &child_joints);
     if tree.links.len() < links.len() {
         let reached = |position: &usize| tree.links.contains(position);
         let lost = (0..links.len()).find(|position| !reached(position)).unwrap_or(0);
-        return Err(source
-            .finding(span(source, links[lost]), FindingKind::BadRobot, "this link's joints form a cycle")
-            .help("joints must form a tree"));
+        return Err(cycle(source, joints, lost, &parent_of));
     }
     Ok(tree)
 }
@@ -73,14 +75,37 @@ fn end(source: &Source, joint: Node<'_, '_>, tag: &'static str, index: &BTreeMap
     })
 }
 
-fn root(source: &Source, links: &[Node<'_, '_>], parent_joint: &[Option<usize>]) -> Found<usize> {
+/// The cycle that is met on the way up from a link without a root above it.
+fn cycle(
+    source: &Source,
+    joints: &[Node<'_, '_>],
+    from: usize,
+    parent_of: &dyn Fn(usize) -> Option<(usize, usize)>,
+) -> Box<Finding> {
+    let (mut way, mut link) = (Vec::new(), from);
+    while let Some((joint, parent)) = parent_of(link) {
+        if let Some(start) = way.iter().position(|(_, known)| *known == link) {
+            way.drain(..start);
+            break;
+        }
+        way.push((joint, link));
+        link = parent;
+    }
+    let name = |(joint, _): &(usize, usize)| joints[*joint].attribute("name").unwrap_or_default().trim().to_owned();
+    let mut names: Vec<String> = way.iter().rev().map(name).collect();
+    names.extend(names.first().cloned());
+    let at = way.last().map_or(Span { offset: 0, len: 0 }, |(joint, _)| span(source, joints[*joint]));
+    source
+        .finding(at, FindingKind::BadRobot, format!("joints form a cycle: {}", names.join(" → ")))
+        .help("joints must form a tree: correct the `<parent>` or `<child>` of one of them")
+}
+
+/// The only link that no joint moves; `None` if every link is moved.
+fn root(source: &Source, links: &[Node<'_, '_>], parent_joint: &[Option<usize>]) -> Found<Option<usize>> {
     let mut roots = (0..links.len()).filter(|position| parent_joint[*position].is_none());
-    let Some(first) = roots.next() else {
-        let finding = crate::Finding::of_file(&source.path, FindingKind::BadRobot, "no root link");
-        return Err(finding.help("exactly one link must not be the child of any joint"));
-    };
+    let Some(first) = roots.next() else { return Ok(None) };
     match roots.next() {
-        None => Ok(first),
+        None => Ok(Some(first)),
         Some(second) => Err(source
             .finding(
                 span(source, links[second]),

@@ -5,6 +5,7 @@
 
 pub mod frames;
 pub mod meshes;
+pub mod mutants;
 
 use std::collections::BTreeMap;
 use std::io;

@@ -4,7 +4,6 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a tool for developers")]
 
-#[allow(dead_code, reason = "tests use the rest")]
 #[path = "../shared/model/tests/support/mod.rs"]
 mod support;
 

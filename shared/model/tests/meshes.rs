@@ -100,7 +100,7 @@ fn dae_cube(asset: &str, nodes: &str) -> String {
     )
 }
 
-/// Corners of boxes, given by centre and edge lengths, sorted.
+/// Corners of boxes, given by centre and edge lengths.
 fn corners_of(boxes: &[([f64; 3], [f64; 3])]) -> Vec<[f64; 3]> {
     let mut corners: Vec<[f64; 3]> = Vec::new();
     for (centre, size) in boxes {
@@ -108,7 +108,6 @@ fn corners_of(boxes: &[([f64; 3], [f64; 3])]) -> Vec<[f64; 3]> {
             [0, 1, 2].map(|axis| centre[axis] + if i >> axis & 1 == 1 { size[axis] / 2.0 } else { -size[axis] / 2.0 })
         }));
     }
-    corners.sort_by(|a, b| a.partial_cmp(b).unwrap());
     corners
 }
 

@@ -3,6 +3,7 @@
 //! `<up_axis>` is not: URDF tools take a mesh's axes as its link's whatever it says, as RViz does.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use nalgebra::{Matrix4, Point3, Rotation3, Unit, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
@@ -134,8 +135,8 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
             let first = offset(vertex).unwrap_or(0);
             let vertices = self.target_of(vertex, "source", "vertices")?;
             let at = vertices.range().start;
-            if !positions.contains_key(&at) {
-                positions.insert(at, self.positions(vertices)?);
+            if let Entry::Vacant(entry) = positions.entry(at) {
+                entry.insert(self.positions(vertices)?);
             }
             for indices in primitive.descendants().filter(|node| node.has_tag_name_of("p")) {
                 for index in words(indices).skip(first).step_by(stride) {

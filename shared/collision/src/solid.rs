@@ -95,7 +95,8 @@ impl Solid {
             Core::Cylinder => {
                 let z = self.half.z.copysign(direction.z);
                 let across = direction.x.hypot(direction.y);
-                if across > 0.0 {
+                // Below this the scale overflows, and GJK asserts that supports are finite.
+                if across > 1e-300 {
                     let scale = self.half.x / across;
                     Vector3::new(direction.x * scale, direction.y * scale, z)
                 } else {
@@ -182,6 +183,14 @@ mod tests {
                 most.max(corner.cross(&axis).norm())
             });
             assert!((body.radius_about(&axis) - exact).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn supports_are_finite_along_directions_that_all_but_vanish() {
+        let pole = solid(&Shape::Cylinder { radius: 0.2, length: 1.0 });
+        for direction in [Vector3::new(1e-310, 0.0, 1.0), Vector3::new(0.0, -5e-324, -1.0), Vector3::zeros()] {
+            assert!(pole.core_support(&direction).iter().all(|c| c.is_finite()), "{direction:?}");
         }
     }
 

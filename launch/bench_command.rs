@@ -10,6 +10,7 @@ use serde_json::Value;
 use crate::exit;
 use crate::packages::PackageArgs;
 use crate::plan_command::Composite;
+use crate::search_args::SearchArgs;
 
 /// Arguments of `mrtamp bench`.
 #[derive(Args, Debug)]
@@ -34,6 +35,9 @@ pub struct BenchArgs {
     /// Folder for the plans, one subfolder for each seed.
     #[arg(long, value_name = "DIR", default_value = "mrtamp-out/bench")]
     pub out: PathBuf,
+    /// What the search does when a stage fails, and how much it may work.
+    #[command(flatten)]
+    pub search: SearchArgs,
     /// Where ROS packages lie.
     #[command(flatten)]
     pub packages: PackageArgs,
@@ -83,6 +87,7 @@ fn plan_once(args: &BenchArgs, seed: u64) -> miette::Result<Row> {
     command.arg("plan").args(&args.problem).args(["--json", "--seed", &seed.to_string()]).arg("--out").arg(&out);
     command.args(["--time-limit", &args.time_limit.to_string()]);
     command.args(["--composite", args.composite.name()]);
+    command.args(args.search.to_arguments());
     command.args(args.packages.to_arguments());
     if args.in_process {
         command.arg("--in-process");

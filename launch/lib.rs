@@ -22,6 +22,7 @@ pub mod result_file;
 pub mod robot_command;
 pub mod robot_report;
 pub mod schema_command;
+pub mod search_args;
 pub mod set;
 pub mod stage_command;
 pub mod stages;

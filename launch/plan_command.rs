@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use contract::{AskFault, CompositeMethod, ProblemStatement};
+use contract::{AskFault, CompositeMethod, ProblemStatement, SearchOptions};
 use miette::{IntoDiagnostic, Report};
 use refiner::End;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -19,6 +19,7 @@ use crate::packages::PackageArgs;
 use crate::processes::Members;
 use crate::progress::Progress;
 use crate::result_file::refuse_unwritable;
+use crate::search_args::SearchArgs;
 use crate::set::launch_file;
 use crate::{in_process, problem_source, processes};
 
@@ -45,6 +46,9 @@ pub struct PlanArgs {
     /// Seconds after which the search is ended.
     #[arg(long, value_name = "SECONDS")]
     pub time_limit: Option<f64>,
+    /// What the search does when a stage fails, and how much it may work.
+    #[command(flatten)]
+    pub search: SearchArgs,
     /// Results for programs.
     #[arg(long)]
     pub json: bool,
@@ -90,15 +94,18 @@ impl From<Composite> for CompositeMethod {
 pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
     let problem = problem_source::load_with(args.problem.as_deref(), &args.packages)?;
     refuse_unwritable(&args.out)?;
-    let statement = Arc::new(ProblemStatement::new(problem, args.seed, args.composite.into()));
+    let launch = launch_file::load(args.set.as_deref())?;
+    let search = args.search.settings().over(launch.search).over(problem.search);
+    let mut statement = ProblemStatement::new(problem, args.seed, args.composite.into());
+    statement.options = SearchOptions::of(&search);
+    let statement = Arc::new(statement);
     let progress = Progress::new(statement.clone(), args.json);
     let cancelled = cancelled_by_signal().into_diagnostic()?;
-    let time_limit = args.time_limit.map(time_limit).transpose()?;
+    let time_limit = args.time_limit.or(search.time_limit.map(f64::from)).map(time_limit).transpose()?;
     let (statement, run) = if args.in_process {
         let run = in_process::run(&statement, time_limit, &cancelled, &progress)?;
         (statement, run)
     } else {
-        let launch = launch_file::load(args.set.as_deref())?;
         let (run, end) = processes::run(&statement, &launch, Members::Processes, time_limit, &cancelled, &progress)?;
         keep_replay(&args.out, &run, end.replay.as_deref())?;
         (end.statement, run)

@@ -88,6 +88,13 @@ impl Progress {
                     because.as_ref().map_or(String::new(), |cause| format!(": {}", crate::words::cause(cause)));
                 self.say(&format!("[refiner] back to {stage}{because}"));
             }
+            LedgerEntry::Decided(Decision::More { stage, times }) => {
+                self.say(&format!("[refiner] {stage} is asked again with {times} times as many samples"));
+            }
+            LedgerEntry::Stopped { stage } => self.say(&format!("[refiner] {stage} has failed, the run stops")),
+            LedgerEntry::LimitReached { work, spent } => {
+                self.say(&format!("[refiner] {work} has spent {spent} work units, more than its limit"));
+            }
             LedgerEntry::Used { .. } | LedgerEntry::Learnt(_) => {}
             LedgerEntry::Solved { .. } => self.say("[refiner] solved"),
         }

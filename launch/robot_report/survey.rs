@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use collision::{Geometry, GeometryError};
 use contract::{RandomStream, StageKind};
 use kinematics::{Reach, link_pose};
-use model::{JointMotion, Levels, LinkId, Problem, Robot, RobotId, Settings};
+use model::{JointMotion, Levels, LinkId, Problem, Robot, RobotId, SearchSettings, Settings};
 
 /// Most parts of the joint ranges that a proof may need.
 const PROOF_PARTS: usize = 20_000;
@@ -126,6 +126,7 @@ pub(crate) fn lone(robot: &Robot, disabled_pairs: Vec<(LinkId, LinkId)>, clearan
         end_policies: vec![model::EndPolicy::default()],
         settings: Settings { clearance, ..Settings::default() },
         levels: Levels::default(),
+        search: SearchSettings::default(),
     }
 }
 

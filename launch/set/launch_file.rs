@@ -4,6 +4,7 @@ use std::path::Path;
 
 use contract::StageKind;
 use miette::Report;
+use model::SearchSettings;
 use serde::de::{Error as _, Visitor};
 use serde::{Deserialize, Deserializer};
 
@@ -16,7 +17,7 @@ const DEFAULT: &str = include_str!("../sets/default.yaml");
 const MAX_REPLICAS: u32 = 64;
 
 /// A set of processes.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LaunchFile {
     /// Jobs in work that nobody has asked for yet.
@@ -25,11 +26,14 @@ pub struct LaunchFile {
     pub stages: Stages,
     /// The process that searches.
     pub refiner: RefinerEntry,
+    /// What the search does when a stage fails, and how much it may work; wins over the problem's.
+    pub search: SearchSettings,
 }
 
 impl Default for LaunchFile {
     fn default() -> Self {
-        Self { speculation: 2, stages: Stages::default(), refiner: RefinerEntry::default() }
+        let (stages, refiner) = (Stages::default(), RefinerEntry::default());
+        Self { speculation: 2, stages, refiner, search: SearchSettings::default() }
     }
 }
 
@@ -277,6 +281,9 @@ mod tests {
             ("stages:\n  roadmap:\n    replicas: per_arm\n", "per_robot", "set.yaml:3:15"),
             ("stages:\n  roadmap:\n    restart: sometimes\n", "sometimes", "set.yaml:3:14"),
             ("refiner:\n  command: []\n", "command", "set.yaml"),
+            ("search:\n  policy: {roadmap: halt}\n", "no policy", "set.yaml:2:21"),
+            ("search:\n  limit: {drrt: 0}\n", "drrt", "set.yaml:2"),
+            ("search:\n  time_limit: -1\n", "seconds", "set.yaml:2:15"),
         ];
         for (text, wrong, place) in cases {
             let report = parse(text, "set.yaml").unwrap_err();

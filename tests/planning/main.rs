@@ -5,6 +5,7 @@
 mod command_line;
 mod delays;
 mod foreign_placement;
+mod options;
 mod processes;
 mod scenes;
 

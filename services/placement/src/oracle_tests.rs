@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use contract::Literal;
 use model::{
     Body, EndEffector, EndPolicy, FixedId, GivenOrdering, Levels, LinkId, MovableObject, ObjectId, Pair, PairId, Point,
-    Pose, Problem, Region, RegionId, Robot, RobotId, Settings, Shape,
+    Pose, Problem, Region, RegionId, Robot, RobotId, SearchSettings, Settings, Shape,
 };
 use skeleton::{Event, Occupancy, Skeleton};
 
@@ -83,6 +83,7 @@ fn problem(moves: &[(usize, usize)], robots: usize, objects: usize) -> Problem {
         end_policies: vec![EndPolicy::Return; robots],
         settings: Settings::default(),
         levels: Levels::default(),
+        search: SearchSettings::default(),
     }
 }
 

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 
 use collision::GeometryError;
 use contract::{
-    Answer, CauseTally, DiscoveredOrder, FailureReport, Interrupted, Job, JobContext, Outcome, Placed,
-    PlacementCandidate, PlacementJob, ProblemStatement, Request, Stage, StageKind,
+    Answer, CauseTally, DiscoveredOrder, FailureReport, Interrupted, Job, JobContext, MOST_PLACEMENT_SAMPLES, Outcome,
+    Placed, PlacementCandidate, PlacementJob, ProblemStatement, Request, Stage, StageKind,
 };
 use model::PairId;
 use plan::Cause;
@@ -23,8 +23,6 @@ use crate::verdict::Judge;
 use crate::world::World;
 use crate::{proof, report};
 
-/// Most samples of one hop that a level may ask for.
-const MOST_SAMPLES: u64 = 1 << 14;
 /// Most candidates of one job.
 const MOST_CANDIDATES: u32 = 1 << 16;
 
@@ -59,7 +57,8 @@ impl PlacementStage {
             Err(report) => return Ok(Outcome { result: Err(report.clone()), work: context.spent() }),
         };
         let samples = u64::from(world.problem().levels.placements).checked_shl(job.level).unwrap_or(u64::MAX);
-        if samples > MOST_SAMPLES || job.level > MOST_SAMPLES.ilog2() || job.count > MOST_CANDIDATES {
+        if samples > MOST_PLACEMENT_SAMPLES || job.level > MOST_PLACEMENT_SAMPLES.ilog2() || job.count > MOST_CANDIDATES
+        {
             let (level, count) = (job.level, job.count);
             return Err(Interrupted::Unfit(format!("level {level} or {count} candidates are too many")));
         }

@@ -7,9 +7,10 @@ use model::{Holding, PairId, Standing};
 use plan::{BodyRef, Cause};
 use skeleton::{Event, Interval, Occupancy, Presence};
 
+use crate::asking::misfit;
 use crate::candidate::Candidate;
 use crate::conflict::{Choice, Conflict, Stuck};
-use crate::search::{Search, misfit};
+use crate::search::Search;
 
 /// Poses that may be present at an instant, certain ones first.
 struct Present {
@@ -113,6 +114,7 @@ impl Candidate<'_> {
         if !is_empty {
             return Ok(());
         }
+        self.used_up.insert(pair);
         let mut conflict = conflict;
         conflict.choices.extend(
             [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)].map(Choice::Pose),

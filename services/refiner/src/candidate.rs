@@ -1,21 +1,28 @@
 //! One placement candidate: alternatives for its pairs, roadmaps for its modes, orderings, composite motion.
 
+use std::collections::BTreeSet;
+
 use contract::{
-    Alternative, Answer, Assignment, Decision, DiscoveredOrder, LedgerEntry, PlacementCandidate, ProductRef, Request,
-    StageKind, TransitionJob,
+    Alternative, Answer, Assignment, Decision, DiscoveredOrder, Job, LedgerEntry, PlacementCandidate, ProductRef,
+    Request, StageKind, TransitionJob,
 };
 use model::{GraspId, PairId, Pose, Problem, Standing};
 use plan::Cause;
 use skeleton::{Occupancy, Skeleton};
 
+use crate::asking::misfit;
 use crate::budgets::Budgets;
 use crate::choice::PairChoice;
 use crate::conflict::{Choice, Conflict, Stuck};
 use crate::roadmaps::ModeAnswer;
-use crate::search::{Search, misfit};
+use crate::search::Search;
 
 /// Alternatives asked for each pair.
 const ALTERNATIVES: u32 = 48;
+
+/// How often all alternatives of some pair may be given up. As pairs take turns, two that exclude one another would open
+/// one another's alternatives for ever.
+const OPENINGS: u32 = 32;
 
 /// Other ways to do a pair that are looked at before an ordering is added for it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,7 +37,7 @@ pub(crate) struct Detour {
 pub(crate) struct Candidate<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) level: u32,
-    pub(crate) budgets: Budgets,
+    pub(crate) budgets: Budgets<'a>,
     /// The event graph holds every ordering of `orders`.
     pub(crate) skeleton: Skeleton,
     /// `poses[object][hop]`.
@@ -39,11 +46,15 @@ pub(crate) struct Candidate<'a> {
     /// Discovered orderings: those of the placement, then those added since.
     pub(crate) orders: Vec<DiscoveredOrder>,
     /// Alternatives of each pair as the transition stage gave them.
-    offered: Vec<Vec<Alternative>>,
+    pub(crate) offered: Vec<Vec<Alternative>>,
     /// How each pair's detours stand.
     pub(crate) detours: Vec<Detour>,
-    /// Failures of composite motion that are still allowed.
-    patience: u32,
+    /// Pairs of which every alternative was given up.
+    pub(crate) used_up: BTreeSet<PairId>,
+    /// How often all alternatives of a pair were opened again.
+    openings: u32,
+    /// Failures whose causes are not known that are still allowed, among them all of composite motion.
+    pub(crate) patience: u32,
 }
 
 /// Roadmaps of all modes, robot by robot.
@@ -56,7 +67,7 @@ impl<'a> Candidate<'a> {
     pub(crate) fn new(
         search: &Search<'a>,
         level: u32,
-        budgets: Budgets,
+        budgets: Budgets<'a>,
         skeleton: Skeleton,
         placement: &PlacementCandidate,
     ) -> Self {
@@ -81,14 +92,10 @@ impl<'a> Candidate<'a> {
             orders: placement.orders.clone(),
             offered: vec![Vec::new(); problem.pairs.len()],
             detours: vec![Detour::default(); problem.pairs.len()],
+            used_up: BTreeSet::new(),
+            openings: 0,
             patience: search.statement.options.composite_failures,
         }
-    }
-
-    /// Completes the candidate to a plan.
-    pub(crate) fn complete(mut self, search: &mut Search<'_>) -> Result<Found, Stuck> {
-        self.ask_alternatives(search)?;
-        self.settle(search)
     }
 
     /// Completes the candidate under its present orderings, revising alternatives and adding orderings on the way.
@@ -96,51 +103,55 @@ impl<'a> Candidate<'a> {
         self.drop_blocked(search)?;
         loop {
             let modes = self.roadmaps(search)?;
-            let conflict = match self.obstructed(&modes) {
+            let (stage, conflict) = match self.obstructed(&modes) {
                 Some(obstructed) if self.detour(search, &obstructed) => continue,
                 Some(obstructed) => match self.order(search, &obstructed) {
                     Ok(found) => return Ok(found),
-                    Err(Stuck::Failed(conflict)) => conflict,
+                    Err(Stuck::Failed(conflict)) => (StageKind::Roadmap, conflict),
                     Err(fault) => return Err(fault),
                 },
                 None => match self.compose(search, &modes) {
                     Ok(found) => return Ok(found),
-                    Err(Stuck::Failed(conflict)) => self.less_patient(conflict)?,
+                    Err(Stuck::Failed(conflict)) => {
+                        (StageKind::Composite, self.less_patient(StageKind::Composite, conflict)?)
+                    }
                     Err(fault) => return Err(fault),
                 },
             };
-            self.revise(search, conflict)?;
+            self.fall_back(search, stage, conflict)?;
         }
     }
 
-    /// Counts a failure of composite motion; when there were too many, the whole placement is given up.
-    fn less_patient(&mut self, mut conflict: Conflict) -> Result<Conflict, Stuck> {
+    /// Counts a failure whose causes are not known; when there were too many, the whole placement is given up.
+    pub(crate) fn less_patient(&mut self, stage: StageKind, conflict: Conflict) -> Result<Conflict, Stuck> {
         self.patience = self.patience.saturating_sub(1);
-        if self.patience > 0 {
-            return Ok(conflict);
-        }
-        // Giving up proves nothing about fewer choices than all.
-        let poses = self.skeleton.occupancies().map(Choice::Pose);
-        conflict.choices = poses.collect();
-        conflict.causes.count(Cause::Budget { stage: StageKind::Composite.name().to_owned() });
-        Err(Stuck::Failed(conflict))
+        if self.patience > 0 { Ok(conflict) } else { Err(self.given_up(stage, conflict)) }
     }
 
-    fn ask_alternatives(&mut self, search: &mut Search<'_>) -> Result<(), Stuck> {
-        let ends = |pair| [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)];
+    /// The placement is given up, although not everything was tried. This proves nothing about fewer choices than all.
+    fn given_up(&mut self, stage: StageKind, mut conflict: Conflict) -> Stuck {
+        self.patience = 0;
+        conflict.choices = self.skeleton.occupancies().map(Choice::Pose).collect();
+        conflict.causes.count(Cause::Budget { stage: stage.name().to_owned() });
+        Stuck::Failed(conflict)
+    }
+
+    /// Asks for the alternatives of a pair.
+    pub(crate) fn alternatives_job(&self, pair: PairId) -> Job {
+        let [from, to] = [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)];
+        self.budgets.job(Request::Transition(TransitionJob {
+            pair,
+            world_from_pick: self.pose(from),
+            world_from_place: self.pose(to),
+            level: self.level,
+            first: 0,
+            count: ALTERNATIVES,
+        }))
+    }
+
+    pub(crate) fn ask_alternatives(&mut self, search: &mut Search<'_>) -> Result<(), Stuck> {
         let pairs: Vec<PairId> = (0..self.problem.pairs.len()).map(PairId::at).collect();
-        let job = |pair: &PairId| {
-            let [from, to] = ends(*pair);
-            self.budgets.job(Request::Transition(TransitionJob {
-                pair: *pair,
-                world_from_pick: self.pose(from),
-                world_from_place: self.pose(to),
-                level: self.level,
-                first: 0,
-                count: ALTERNATIVES,
-            }))
-        };
-        let jobs: Vec<_> = pairs.iter().map(job).collect();
+        let jobs: Vec<Job> = pairs.iter().map(|pair| self.alternatives_job(*pair)).collect();
         for ((pair, job), outcome) in pairs.iter().zip(&jobs).zip(search.ask(&jobs)?) {
             match outcome.result {
                 Ok(Answer::Alternatives(alternatives)) => {
@@ -193,6 +204,11 @@ impl<'a> Candidate<'a> {
                 }
                 Err(all) => {
                     conflict = all;
+                    self.used_up.insert(pair);
+                    self.openings += 1;
+                    if self.openings > OPENINGS {
+                        return Err(self.given_up(StageKind::Transition, conflict));
+                    }
                     conflict.choices.extend(self.ends(pair));
                     self.reopen(pair);
                 }
@@ -213,7 +229,7 @@ impl<'a> Candidate<'a> {
         Some(turn.unwrap_or(last))
     }
 
-    fn reopen(&mut self, pair: PairId) {
+    pub(crate) fn reopen(&mut self, pair: PairId) {
         let offered = self.offered[pair.index()].clone();
         self.choices[pair.index()].reopen(offered);
     }

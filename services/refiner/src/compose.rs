@@ -9,9 +9,10 @@ use model::PairId;
 use plan::Cause;
 use skeleton::{Event, Mode, ModeId};
 
+use crate::asking::misfit;
 use crate::candidate::{Candidate, Found, Modes};
 use crate::conflict::{Choice, Conflict, Halt, Stuck};
-use crate::search::{Search, misfit};
+use crate::search::Search;
 
 /// A mode that could be committed next.
 struct Ready {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use contract::{AskFault, CauseTally, FailureReport, JobId};
+use contract::{AskFault, CauseTally, FailureReport, JobId, WorkKind};
 use model::PairId;
 use plan::Cause;
 use skeleton::Occupancy;
@@ -60,6 +60,10 @@ pub(crate) enum Halt {
     Fault(AskFault),
     /// A stage proves that there is none, whatever is chosen.
     Proven(FailureReport),
+    /// A stage has failed whose policy is to stop, for these causes.
+    Stopped(Vec<(Cause, u64)>),
+    /// More was spent than a limit on work allows.
+    LimitReached(WorkKind),
 }
 
 impl From<AskFault> for Halt {

@@ -4,11 +4,13 @@
 //! ledger cannot depend on timing, on the number of workers or on crashes. It names no stage crate and no bus.
 
 mod alternatives;
+mod asking;
 mod budgets;
 mod candidate;
 mod choice;
 mod compose;
 mod conflict;
+mod more;
 mod orders;
 mod roadmaps;
 mod search;

@@ -7,9 +7,10 @@ use model::{Configuration, EndPolicy, Holding, PairId, RobotId};
 use plan::{BodyRef, Cause};
 use skeleton::{Mode, ModeKind, Occupancy, Presence};
 
+use crate::asking::misfit;
 use crate::candidate::{Candidate, Modes};
 use crate::conflict::{Choice, Conflict, Stuck};
-use crate::search::{Search, misfit};
+use crate::search::Search;
 
 /// Roadmap of a mode.
 #[derive(Clone, Debug)]
@@ -51,7 +52,7 @@ impl Candidate<'_> {
         loop {
             match self.try_roadmaps(search)? {
                 Ok(modes) => return Ok(modes),
-                Err(conflict) => self.revise(search, conflict)?,
+                Err(conflict) => self.fall_back(search, StageKind::Roadmap, conflict)?,
             }
         }
     }

@@ -3,13 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use contract::{
-    Answer, AskFault, AskStages, CauseTally, Decision, Digest, Job, JobId, Ledger, LedgerEntry, Literal, Nogood,
-    Outcome, PlacementCandidate, PlacementJob, ProblemStatement, Request, Soundness, StageKind,
+    Answer, AskFault, AskStages, CauseTally, Decision, FailureReport, Job, JobId, Ledger, LedgerEntry, Literal,
+    MOST_PLACEMENT_SAMPLES, Nogood, PlacementCandidate, PlacementJob, ProblemStatement, Request, Soundness, StageKind,
+    WorkKind,
 };
-use model::Problem;
+use model::{FailurePolicy, Problem};
 use plan::{Cause, Certificate, PairPoint, ResultKind, StageCount};
 use skeleton::{Cycle, Skeleton};
 
+use crate::asking::misfit;
 use crate::budgets::Budgets;
 use crate::candidate::{Candidate, Found};
 use crate::conflict::{Choice, Conflict, Halt, Stuck};
@@ -22,16 +24,23 @@ pub(crate) struct Search<'a> {
     observe: &'a mut dyn FnMut(&LedgerEntry),
     ledger: Ledger,
     causes: CauseTally,
-    used: BTreeSet<JobId>,
-    counts: BTreeMap<StageKind, StageCount>,
+    /// Causes met since the present placement candidate was begun.
+    pub(crate) met: CauseTally,
+    pub(crate) used: BTreeSet<JobId>,
+    pub(crate) counts: BTreeMap<StageKind, StageCount>,
+    /// Work units spent on what may be limited.
+    pub(crate) spent: BTreeMap<WorkKind, u64>,
+    /// The pieces that were asked for, if they may be asked for again with more samples.
+    pub(crate) pieces: BTreeMap<JobId, Job>,
 }
 
 /// How far one level came.
 enum LevelEnd {
     Solved(Found),
+    /// The stages after placement fail whatever is placed where, or as many candidates were tried as may be.
     Exhausted,
-    /// No level can help.
-    Hopeless,
+    /// There is no further candidate.
+    NoPlacement(FailureReport),
 }
 
 impl<'a> Search<'a> {
@@ -46,8 +55,11 @@ impl<'a> Search<'a> {
             observe,
             ledger: Ledger::default(),
             causes: CauseTally::default(),
+            met: CauseTally::default(),
             used: BTreeSet::new(),
             counts: BTreeMap::new(),
+            spent: BTreeMap::new(),
+            pieces: BTreeMap::new(),
         }
     }
 
@@ -66,7 +78,15 @@ impl<'a> Search<'a> {
                 self.causes.count_all(&report.causes);
                 self.failed(ResultKind::InfeasibleProven, report.certificate)
             }
-            Err(Halt::Fault(AskFault::TimeLimit)) => self.failed(ResultKind::LimitReached, None),
+            Err(Halt::Stopped(causes)) => {
+                self.causes.count_all(&causes);
+                self.failed(ResultKind::SamplesExhausted, None)
+            }
+            Err(Halt::LimitReached(work)) => {
+                self.met.count(Cause::Budget { stage: work.to_string() });
+                self.cut_short()
+            }
+            Err(Halt::Fault(AskFault::TimeLimit)) => self.cut_short(),
             Err(Halt::Fault(fault)) => End::Fault(fault),
         };
         let stages = self.counts.into_values().collect();
@@ -75,6 +95,13 @@ impl<'a> Search<'a> {
 
     fn failed(&mut self, result: ResultKind, certificate: Option<Certificate>) -> End {
         End::Failed { result, causes: std::mem::take(&mut self.causes).ranked(), certificate }
+    }
+
+    /// What was met on the way is all that is known.
+    fn cut_short(&mut self) -> End {
+        let met = std::mem::take(&mut self.met).ranked();
+        self.causes.count_all(&met);
+        self.failed(ResultKind::LimitReached, None)
     }
 
     fn levels(&mut self) -> Result<Option<Found>, Halt> {
@@ -89,40 +116,63 @@ impl<'a> Search<'a> {
             self.commit(LedgerEntry::Decided(Decision::Level(level)));
             match self.level(level, &skeleton)? {
                 LevelEnd::Solved(found) => return Ok(Some(found)),
-                LevelEnd::Hopeless => return Ok(None),
-                LevelEnd::Exhausted => {}
+                // No level can help.
+                LevelEnd::NoPlacement(report) if report.soundness == Soundness::Hard => return Ok(None),
+                LevelEnd::NoPlacement(_) | LevelEnd::Exhausted => {}
+            }
+            if self.policy(StageKind::Placement) == FailurePolicy::Stop {
+                self.commit(LedgerEntry::Stopped { stage: StageKind::Placement });
+                return Ok(None);
             }
         }
         Ok(None)
     }
 
-    /// Candidates one after the other; with causes, each failure excludes every candidate that shares its choices.
+    /// The candidates of a level; where there are no more, those of more samples, if the policy wants them.
     fn level(&mut self, level: u32, skeleton: &Skeleton) -> Result<LevelEnd, Halt> {
-        let budgets = Budgets::at(&self.problem().levels, level);
-        let mut nogoods: Vec<Vec<Literal>> = Vec::new();
-        for tried in 0..self.statement.options.candidates {
-            let first = if self.statement.options.causes { 0 } else { tried };
-            let job = PlacementJob { level, first, count: 1, nogoods: nogoods.clone() };
-            let candidate = match self.ask_one(&budgets.job(Request::Placement(job)))?.result {
-                Ok(Answer::Placements(candidates)) => candidates.into_iter().next(),
-                Ok(_) => return Err(misfit(StageKind::Placement).into()),
-                Err(report) => {
-                    self.causes.count_all(&report.causes);
-                    let hopeless = report.soundness == Soundness::Hard && nogoods.is_empty();
-                    return Ok(if hopeless { LevelEnd::Hopeless } else { LevelEnd::Exhausted });
-                }
+        let mut nogoods = Vec::new();
+        let mut end = self.candidates([level, level], &mut nogoods, skeleton)?;
+        for doublings in self.policy(StageKind::Placement).doublings() {
+            let more_can_help = match &end {
+                LevelEnd::NoPlacement(report) => report.soundness != Soundness::Hard,
+                LevelEnd::Solved(_) | LevelEnd::Exhausted => false,
             };
-            let Some(candidate) = candidate else { return Ok(LevelEnd::Exhausted) };
+            if !more_can_help {
+                break;
+            }
+            self.decide_more(StageKind::Placement, doublings);
+            end = self.candidates([level + doublings, level], &mut nogoods, skeleton)?;
+        }
+        Ok(end)
+    }
+
+    /// Candidates one after the other, placements at one level, all else at another; with causes, each failure excludes
+    /// every candidate that shares its choices.
+    fn candidates(
+        &mut self,
+        [of_placement, level]: [u32; 2],
+        nogoods: &mut Vec<Vec<Literal>>,
+        skeleton: &Skeleton,
+    ) -> Result<LevelEnd, Halt> {
+        let with_causes = self.policy(StageKind::Transition).tells_causes();
+        for tried in 0..self.statement.options.candidates {
+            let first = if with_causes { 0 } else { tried };
+            let candidate = match self.next_candidate(of_placement, first, nogoods)? {
+                Ok(candidate) => candidate,
+                Err(report) => return Ok(LevelEnd::NoPlacement(report)),
+            };
             self.commit(LedgerEntry::Decided(Decision::Placement(tried)));
-            let conflict = match self.refine(level, budgets, skeleton, &candidate) {
+            self.met = CauseTally::default();
+            let conflict = match self.refine(level, skeleton, &candidate) {
                 Ok(found) => return Ok(LevelEnd::Solved(found)),
                 Err(Stuck::Halted(halt)) => return Err(halt),
                 Err(Stuck::Failed(conflict)) => conflict,
             };
+            self.met = CauseTally::default();
             self.causes.count_all(&conflict.causes.clone().ranked());
             self.backtrack(StageKind::Placement, Decision::Placement(tried), conflict.first_cause());
             let literals = literals_of(self.problem(), &conflict, &candidate);
-            if self.statement.options.causes {
+            if with_causes {
                 if literals.is_empty() {
                     // It depends on nothing that placement chooses.
                     return Ok(LevelEnd::Exhausted);
@@ -132,6 +182,35 @@ impl<'a> Search<'a> {
             }
         }
         Ok(LevelEnd::Exhausted)
+    }
+
+    /// The next placement candidate, or why there is none. A failure that rests on nogoods is never a hard one.
+    fn next_candidate(
+        &mut self,
+        level: u32,
+        first: u32,
+        nogoods: &[Vec<Literal>],
+    ) -> Result<Result<PlacementCandidate, FailureReport>, Halt> {
+        let most = (MOST_PLACEMENT_SAMPLES / u64::from(self.problem().levels.placements.max(1))).max(1).ilog2();
+        let level = level.min(most);
+        let job = PlacementJob { level, first, count: 1, nogoods: nogoods.to_vec() };
+        let job = Budgets::at(&self.problem().levels, level, &self.statement.options).job(Request::Placement(job));
+        match self.ask_one(&job)?.result {
+            Ok(Answer::Placements(candidates)) => Ok(candidates.into_iter().next().ok_or(FailureReport {
+                causes: Vec::new(),
+                soundness: Soundness::Soft { level },
+                certificate: None,
+            })),
+            Ok(_) => Err(misfit(StageKind::Placement).into()),
+            Err(mut report) => {
+                self.causes.count_all(&report.causes);
+                self.met = CauseTally::default();
+                if !nogoods.is_empty() {
+                    report.soundness = Soundness::Soft { level };
+                }
+                Ok(Err(report))
+            }
+        }
     }
 
     fn learn(&mut self, level: u32, conflict: &Conflict, literals: &[Literal]) {
@@ -144,13 +223,8 @@ impl<'a> Search<'a> {
         }));
     }
 
-    fn refine(
-        &mut self,
-        level: u32,
-        budgets: Budgets,
-        skeleton: &Skeleton,
-        candidate: &PlacementCandidate,
-    ) -> Result<Found, Stuck> {
+    fn refine(&mut self, level: u32, skeleton: &Skeleton, candidate: &PlacementCandidate) -> Result<Found, Stuck> {
+        let budgets = Budgets::at(&self.problem().levels, level, &self.statement.options);
         let mut skeleton = skeleton.clone();
         for order in &candidate.orders {
             if let Err(cycle) = skeleton.graph.add(order.before, order.after, skeleton::ArcOrigin::Discovered) {
@@ -170,42 +244,6 @@ impl<'a> Search<'a> {
     pub(crate) fn commit(&mut self, entry: LedgerEntry) {
         (self.observe)(&entry);
         self.ledger.commit(entry);
-    }
-
-    /// Identity of a job.
-    pub(crate) fn id(&self, job: &Job) -> JobId {
-        self.stages.job_id(job)
-    }
-
-    pub(crate) fn ask_one(&mut self, job: &Job) -> Result<Outcome, Halt> {
-        let mut outcomes = self.ask(std::slice::from_ref(job))?;
-        outcomes.pop().ok_or_else(|| misfit(job.stage()).into())
-    }
-
-    /// Outcomes in the order of the jobs, all committed to the ledger. The first proof that there is no plan ends the search.
-    pub(crate) fn ask(&mut self, jobs: &[Job]) -> Result<Vec<Outcome>, Halt> {
-        let outcomes = self.stages.ask(jobs)?;
-        for (job, outcome) in jobs.iter().zip(&outcomes) {
-            let id = self.id(job);
-            let digest = Digest::of("mrtamp outcome", &[&contract::encode_canonical(outcome)]);
-            self.commit(LedgerEntry::Used { job: id, outcome: digest });
-            if self.used.insert(id) {
-                self.count(job.stage(), outcome);
-            }
-        }
-        let reports = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().err());
-        match reports.into_iter().find(|report| report.proof().is_some()) {
-            Some(report) => Err(Halt::Proven(report.clone())),
-            None => Ok(outcomes),
-        }
-    }
-
-    fn count(&mut self, stage: StageKind, outcome: &Outcome) {
-        let fresh = || StageCount { stage: stage.name().to_owned(), ..StageCount::default() };
-        let count = self.counts.entry(stage).or_insert_with(fresh);
-        count.jobs += 1;
-        count.failures += u64::from(outcome.result.is_err());
-        count.work += outcome.work;
     }
 
     fn cycle_cause(&self, cycle: &Cycle) -> Cause {
@@ -233,9 +271,4 @@ fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &PlacementCand
     let orders = candidate.orders.iter();
     literals.extend(orders.map(|order| Literal::Order { before: order.before, after: order.after }));
     literals
-}
-
-/// A stage answered with the answer of another request.
-pub(crate) fn misfit(stage: StageKind) -> AskFault {
-    AskFault::Refused { stage, reason: "its answer does not belong to the job".to_owned() }
 }

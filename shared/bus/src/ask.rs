@@ -208,7 +208,11 @@ impl Announcer {
                 let request = BacktrackRequest { stage: *stage, decision: decision.clone(), because: because.clone() };
                 state.send(&Outgoing::plain(Topic::Backtrack, Message::Backtrack(request)));
             }
-            LedgerEntry::Decided(_) | LedgerEntry::Used { .. } | LedgerEntry::Solved { .. } => {}
+            LedgerEntry::Decided(_)
+            | LedgerEntry::Used { .. }
+            | LedgerEntry::Solved { .. }
+            | LedgerEntry::Stopped { .. }
+            | LedgerEntry::LimitReached { .. } => {}
         }
     }
 }

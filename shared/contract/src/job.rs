@@ -37,10 +37,13 @@ pub enum Request {
     Compose(ComposeJob),
 }
 
+/// Most samples of one hop that a level may have.
+pub const MOST_PLACEMENT_SAMPLES: u64 = 1 << 14;
+
 /// Asks for `count` candidates from number `first` on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlacementJob {
-    /// Sample level.
+    /// Sample level; one with more than [`MOST_PLACEMENT_SAMPLES`] is refused.
     pub level: u32,
     /// First candidate's index in the canonical enumeration.
     pub first: u32,
@@ -187,16 +190,30 @@ pub enum Composition {
     },
 }
 
-impl Job {
+impl Request {
     /// The stage that answers.
     #[must_use]
     pub fn stage(&self) -> StageKind {
-        match &self.request {
+        match self {
             Request::Placement(_) => StageKind::Placement,
             Request::Transition(_) | Request::Blockers(_) => StageKind::Transition,
             Request::Piece(_) | Request::Mode(_) => StageKind::Roadmap,
             Request::Compose(_) => StageKind::Composite,
         }
+    }
+
+    /// Whether dRRT* answers.
+    #[must_use]
+    pub fn is_drrt(&self) -> bool {
+        matches!(self, Request::Compose(ComposeJob { composition: Composition::Drrt { .. }, .. }))
+    }
+}
+
+impl Job {
+    /// The stage that answers.
+    #[must_use]
+    pub fn stage(&self) -> StageKind {
+        self.request.stage()
     }
 
     /// The one robot that the job is about, if there is one: roadmap jobs go to that robot's worker.

@@ -5,7 +5,7 @@ use plan::Cause;
 use serde::{Deserialize, Serialize};
 use skeleton::ModeId;
 
-use crate::{Digest, DiscoveredOrder, JobId, Nogood, StageKind, encode_canonical};
+use crate::{Digest, DiscoveredOrder, JobId, Nogood, StageKind, WorkKind, encode_canonical};
 
 /// A decision of the search.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,6 +27,13 @@ pub enum Decision {
     Commit(ModeId),
     /// The rest is left to the composite search.
     Drrt,
+    /// A stage that has failed is asked again with so many times as many samples.
+    More {
+        /// Stage.
+        stage: StageKind,
+        /// How many times.
+        times: u32,
+    },
 }
 
 /// One line of the committed log.
@@ -56,6 +63,18 @@ pub enum LedgerEntry {
     Solved {
         /// Digest of the plan's product.
         plan: Digest,
+    },
+    /// The run ends: a stage has failed whose policy is to stop.
+    Stopped {
+        /// Stage.
+        stage: StageKind,
+    },
+    /// The run ends: a limit on work is exceeded.
+    LimitReached {
+        /// Limited work.
+        work: WorkKind,
+        /// Work units spent.
+        spent: u64,
     },
 }
 

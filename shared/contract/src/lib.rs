@@ -25,8 +25,8 @@ pub use assignment::{Alternative, Assignment, DiscoveredOrder, Placed, Placement
 pub use codec::{CodecError, MAX_MESSAGE_BYTES, decode, encode, encode_canonical};
 pub use direct::DirectCalls;
 pub use job::{
-    BlockersJob, ComposeJob, Composition, Job, JobId, ModeJob, Obstruction, PieceJob, PieceSpec, PlacementJob, Request,
-    TransitionJob,
+    BlockersJob, ComposeJob, Composition, Job, JobId, MOST_PLACEMENT_SAMPLES, ModeJob, Obstruction, PieceJob,
+    PieceSpec, PlacementJob, Request, TransitionJob,
 };
 pub use job_ids::JobIds;
 pub use ledger::{Decision, Ledger, LedgerEntry};
@@ -37,4 +37,4 @@ pub use roadmap::{Edge, EdgeKind, ModeRoadmap, RoadmapPiece, VertexId};
 pub use schedule::{Commitment, Move, Prefix};
 pub use serve::{JobPort, Offer, Refusal, ServeFault, serve};
 pub use stage::{Interrupted, JobContext, Stage, StageKind};
-pub use statement::{CompositeMethod, ProblemStatement, SearchOptions};
+pub use statement::{CompositeMethod, ProblemStatement, SearchOptions, WorkKind};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use model::Problem;
+use model::{FailurePolicy, Policies, Problem, SearchSettings, WorkLimits};
 use serde::{Deserialize, Serialize};
 
 use crate::{Digest, StageKind, encode_canonical};
@@ -21,8 +21,10 @@ pub enum CompositeMethod {
 /// What the search does with failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SearchOptions {
-    /// Learn from the causes of failures which placements cannot be kept together (the paper's backtracking with cause).
-    pub causes: bool,
+    /// What each stage's failures lead to.
+    pub policies: Policies,
+    /// Work units after which the run ends.
+    pub limits: WorkLimits,
     /// Placement candidates refined at one level before the next level is tried.
     pub candidates: u32,
     /// Failures of composite motion of one placement candidate after which it is given up.
@@ -31,7 +33,59 @@ pub struct SearchOptions {
 
 impl Default for SearchOptions {
     fn default() -> Self {
-        Self { causes: true, candidates: 64, composite_failures: 12 }
+        let (policies, limits) = (Policies::default(), WorkLimits::default());
+        Self { policies, limits, candidates: 64, composite_failures: 12 }
+    }
+}
+
+impl SearchOptions {
+    /// The options that settings ask for.
+    #[must_use]
+    pub fn of(settings: &SearchSettings) -> Self {
+        Self { policies: settings.policy, limits: settings.limit, ..Self::default() }
+    }
+
+    /// What a stage's failures lead to.
+    #[must_use]
+    pub fn policy(&self, stage: StageKind) -> FailurePolicy {
+        let policy = match stage {
+            StageKind::Placement => self.policies.placement,
+            StageKind::Transition => self.policies.transition,
+            StageKind::Roadmap => self.policies.roadmap,
+            StageKind::Composite => self.policies.composite,
+        };
+        policy.unwrap_or_default()
+    }
+
+    /// Work units that may be spent in all; none: any number.
+    #[must_use]
+    pub fn limit(&self, work: WorkKind) -> Option<u64> {
+        let limit = match work {
+            WorkKind::Stage(StageKind::Placement) => self.limits.placement,
+            WorkKind::Stage(StageKind::Transition) => self.limits.transition,
+            WorkKind::Stage(StageKind::Roadmap) => self.limits.roadmap,
+            WorkKind::Stage(StageKind::Composite) => self.limits.composite,
+            WorkKind::Drrt => self.limits.drrt,
+        };
+        limit.map(std::num::NonZeroU64::get)
+    }
+}
+
+/// Work that may be limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum WorkKind {
+    /// Of a stage.
+    Stage(StageKind),
+    /// Of dRRT*, which counts as the composite stage's, too.
+    Drrt,
+}
+
+impl std::fmt::Display for WorkKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Stage(stage) => stage.fmt(f),
+            Self::Drrt => f.write_str("drrt"),
+        }
     }
 }
 
@@ -51,14 +105,15 @@ pub struct ProblemStatement {
 }
 
 impl ProblemStatement {
-    /// A statement with this program's own stages.
+    /// A statement with this program's own stages, and the options that the problem asks for.
     #[must_use]
     pub fn new(problem: Problem, seed: u64, composite: CompositeMethod) -> Self {
+        let options = SearchOptions::of(&problem.search);
         Self {
             problem,
             seed,
             composite,
-            options: SearchOptions::default(),
+            options,
             implementations: StageKind::ALL.map(|stage| (stage, Self::own_implementation(stage))).into(),
         }
     }

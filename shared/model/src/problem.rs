@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     EndPolicy, FixedObject, GivenOrdering, Levels, MovableObject, ObjectId, Pair, PairId, Region, Robot, RobotId,
-    Settings,
+    SearchSettings, Settings,
 };
 
 /// Robots, scene, start, task plan and orderings.
@@ -30,6 +30,8 @@ pub struct Problem {
     pub settings: Settings,
     /// Sample counts.
     pub levels: Levels,
+    /// How it is to be searched, unless a launch file or the user says otherwise.
+    pub search: SearchSettings,
 }
 
 impl Problem {

@@ -250,3 +250,20 @@ fn all_findings_of_one_step_are_told_at_once() {
     let lines: Vec<_> = error.findings().iter().map(|finding| (finding.kind().name(), finding.line())).collect();
     assert_eq!(lines, [("unknown_name", Some(27)), ("unknown_name", Some(29))]);
 }
+
+#[test]
+fn search_settings_that_mean_nothing_are_refused() {
+    let instead = |text: &'static str| ("levels: {grasps: 8}", text);
+    shown!(messages(
+        PROBLEM,
+        &[
+            instead("search: {policy: {transition: more:3:1}}"),
+            instead("search: {policy: {transition: {more: 2}}}"),
+            instead("search: {policy: {roadmap: halt}}"),
+            instead("search: {policy: {motion: stop}}"),
+            instead("search: {limit: {drrt: 0}}"),
+            instead("search: {limit: {composite: many}}"),
+            instead("search: {time_limit: -3}"),
+        ]
+    ));
+}

@@ -13,7 +13,7 @@ use contract::{
 use model::{
     AllowedContacts, Body, Coordinate, CoordinateId, EndEffector, EndPolicy, GivenOrdering, Grasp, GraspFamily,
     GraspId, Holding, Joint, JointMotion, JointValue, Levels, Link, LinkId, MovableObject, ObjectId, Pair, PairId,
-    PlanarBase, Pose, Problem, RegionId, Robot, RobotId, Settings, Shape,
+    PlanarBase, Pose, Problem, RegionId, Robot, RobotId, SearchSettings, Settings, Shape,
 };
 use nalgebra::{Isometry3, UnitQuaternion};
 use skeleton::{ModeId, ModeKind, Skeleton};
@@ -216,6 +216,7 @@ impl World {
             end_policies: vec![EndPolicy::Return; self.starts.len()],
             settings: Settings { grip_time: self.grip_time, ..Settings::default() },
             levels: Levels::default(),
+            search: SearchSettings::default(),
         }
     }
 

@@ -15,7 +15,8 @@ use contract::{
 };
 use model::{
     Body, DiskFiles, EndEffector, EndPolicy, FixedId, FixedObject, GivenOrdering, Levels, Link, LinkId, MovableObject,
-    ObjectId, Pair, PairId, Point, Pose, Problem, Region, RegionId, Robot, RobotId, Settings, Shape, load_problem,
+    ObjectId, Pair, PairId, Point, Pose, Problem, Region, RegionId, Robot, RobotId, SearchSettings, Settings, Shape,
+    load_problem,
 };
 use placement::PlacementStage;
 use skeleton::Event;
@@ -45,6 +46,7 @@ impl Scene {
             end_policies: vec![EndPolicy::Return; robots],
             settings: Settings::default(),
             levels: Levels::default(),
+            search: SearchSettings::default(),
         })
     }
 

@@ -21,6 +21,7 @@ pub fn toy_statement(seed: u64) -> ProblemStatement {
         end_policies: vec![EndPolicy::Return; 2],
         settings: model::Settings::default(),
         levels: model::Levels::default(),
+        search: model::SearchSettings::default(),
     };
     let mut statement = ProblemStatement::new(problem, seed, CompositeMethod::default());
     statement.implementations = StageKind::ALL.map(|stage| (stage, toy_implementation(stage))).into();

@@ -11,7 +11,7 @@ pub use robots::{box_base, lift, mobile_arm, planar_2r, two_bars};
 use collision::{AllowedContacts, Geometry, Holding, Motion};
 use model::{
     Body, EndPolicy, FixedObject, Grasp, GraspFamily, GraspId, Levels, MovableObject, ObjectId, Pose, Problem, Robot,
-    RobotId, Settings, Shape,
+    RobotId, SearchSettings, Settings, Shape,
 };
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
@@ -94,6 +94,7 @@ pub fn problem(robots: Vec<Robot>, fixed: Vec<FixedObject>, movable: Vec<Movable
         end_policies,
         settings: Settings { clearance: CLEARANCE, ..Settings::default() },
         levels: Levels::default(),
+        search: SearchSettings::default(),
     }
 }
 

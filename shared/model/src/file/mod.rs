@@ -75,6 +75,7 @@ pub fn load_problem_with_places(files: &dyn Files, path: &str) -> Result<(Proble
         orderings,
         settings,
         levels,
+        search: file.search,
     };
     Ok((problem, places))
 }

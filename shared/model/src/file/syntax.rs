@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::at::At;
 use super::words::{GraspsFile, PointFile, StartFile, TaskFile};
-use crate::{EndPolicy, Levels, Settings};
+use crate::{EndPolicy, Levels, SearchSettings, Settings};
 
 /// A problem for mrtamp: robots, scene, task plan. Units are m, rad, s; z is up; quaternions are x y z w.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -34,6 +34,9 @@ pub(crate) struct ProblemFile {
     pub settings: Option<At<Settings>>,
     /// Sample counts that differ from their defaults.
     pub levels: Option<At<Levels>>,
+    /// What the search does when a stage fails, and how much it may work.
+    #[serde(default)]
+    pub search: SearchSettings,
 }
 
 /// A robot: its description files and what they do not say.

@@ -2,7 +2,7 @@
 
 use model::{
     EndPolicy, FixedId, FixedObject, Levels, MovableObject, ObjectId, Pair, PairId, Problem, Region, RegionId, Robot,
-    RobotId, Settings,
+    RobotId, SearchSettings, Settings,
 };
 use plan::{
     Event, EventKind, Knot, LowerBound, Makespan, ModeKind, PLAN_FORMAT, Plan, Provenance, RobotTrajectory, Segment,
@@ -72,6 +72,7 @@ pub fn problem(robots: Vec<Robot>) -> Problem {
         orderings: Vec::new(),
         settings: Settings::default(),
         levels: Levels::default(),
+        search: SearchSettings::default(),
     }
 }
 

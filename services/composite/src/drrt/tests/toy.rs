@@ -10,7 +10,7 @@ use contract::{
 };
 use model::{
     AllowedContacts, Coordinate, EndEffector, EndPolicy, GivenOrdering, GraspId, Holding, Levels, Link, LinkId,
-    ObjectId, Pair, PlanarBase, Point, Pose, Problem, RegionId, Robot, RobotId, Settings,
+    ObjectId, Pair, PlanarBase, Point, Pose, Problem, RegionId, Robot, RobotId, SearchSettings, Settings,
 };
 use skeleton::{ModeId, Occupancy, Skeleton};
 
@@ -117,6 +117,7 @@ pub fn problem(starts: &[usize], tasks: &[Task], objects: usize, orders: &[Order
         end_policies: vec![EndPolicy::Return; starts.len()],
         settings: Settings { grip_time, ..Settings::default() },
         levels: Levels::default(),
+        search: SearchSettings::default(),
     }
 }
 

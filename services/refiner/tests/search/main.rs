@@ -2,147 +2,19 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod limits;
+mod policies;
+mod scripted;
+mod superset;
+
 use std::collections::BTreeMap;
 
-use contract::{
-    Alternative, Answer, AskFault, AskStages, CauseTally, CompositeMethod, Composition, Decision, Digest,
-    FailureReport, Foresight, Job, JobId, Ledger, LedgerEntry, Outcome, Placed, PlacementCandidate, ProblemStatement,
-    ProductRef, Reach, Request, Soundness,
-};
-use model::{DiskFiles, FixedId, GraspId, PairId, Problem, load_problem};
+use contract::{Answer, CauseTally, Composition, Decision, Digest, JobId, Outcome, ProductRef, Request, Soundness};
+use model::PairId;
 use plan::{Cause, ResultKind};
-use refiner::{End, Refinement, refine_plan};
+use refiner::End;
+use scripted::{Rule, Scripted, decisions, fails, no_path, relay, statement, transfer_fails_with};
 use skeleton::ModeId;
-
-/// Two robots hand one object on.
-fn relay() -> ProblemStatement {
-    statement("t03_relay")
-}
-
-fn statement(scene: &str) -> ProblemStatement {
-    let path = format!("{}/../../launch/scenes/{scene}.yaml", env!("CARGO_MANIFEST_DIR"));
-    let mut problem = load_problem(&DiskFiles, &path).unwrap();
-    problem.levels.highest = 1;
-    ProblemStatement::new(problem, 5, CompositeMethod::Prioritised)
-}
-
-type Rule = Box<dyn Fn(&Request) -> Option<Outcome>>;
-
-/// Answers everything with success, unless a rule says otherwise; remembers what it was asked.
-struct Scripted<'a> {
-    statement: &'a ProblemStatement,
-    rules: Vec<Rule>,
-    asked: Vec<Job>,
-    /// Asking ends with a time limit after so many jobs.
-    patience: usize,
-    commits: u64,
-}
-
-impl<'a> Scripted<'a> {
-    fn new(statement: &'a ProblemStatement, rules: Vec<Rule>) -> Self {
-        Self { statement, rules, asked: Vec::new(), patience: usize::MAX, commits: 0 }
-    }
-
-    fn run(&mut self) -> Refinement {
-        refine_plan(self.statement, self, &mut |_| ())
-    }
-
-    fn count(&self, which: impl Fn(&Request) -> bool) -> usize {
-        self.asked.iter().filter(|job| which(&job.request)).count()
-    }
-
-    fn answer(&mut self, job: &Job) -> Outcome {
-        let made =
-            ProductRef { digest: Digest::of("test", &[&contract::encode_canonical(job)]), made_by: self.job_id(job) };
-        let problem = &self.statement.problem;
-        let answer = match &job.request {
-            Request::Placement(job) => {
-                Answer::Placements((job.first..job.first + job.count).map(|index| candidate(problem, index)).collect())
-            }
-            Request::Transition(job) => {
-                Answer::Alternatives((0..3).map(|i| alternative(problem, job.pair, i)).collect())
-            }
-            Request::Blockers(job) => Answer::Blocked(vec![false; job.standing.len()]),
-            Request::Piece(_) => Answer::Piece(made),
-            Request::Mode(_) => Answer::Mode { roadmap: made, shortest_s: 1.0, in_the_way: Vec::new() },
-            Request::Compose(job) => match job.composition {
-                Composition::Assemble { .. } => Answer::Plan { plan: made, makespan_s: 9.0 },
-                _ => {
-                    self.commits += 1;
-                    Answer::Committed { prefix: made, event_s: self.commits as f64, tail_s: 0.0 }
-                }
-            },
-        };
-        Outcome::answer(answer, 1)
-    }
-}
-
-impl AskStages for Scripted<'_> {
-    fn ask(&mut self, jobs: &[Job]) -> Result<Vec<Outcome>, AskFault> {
-        let mut outcomes = Vec::new();
-        for job in jobs {
-            if self.asked.len() == self.patience {
-                return Err(AskFault::TimeLimit);
-            }
-            self.asked.push(job.clone());
-            let ruled = self.rules.iter().find_map(|rule| rule(&job.request));
-            outcomes.push(ruled.unwrap_or_else(|| self.answer(job)));
-        }
-        Ok(outcomes)
-    }
-
-    fn foresee(&mut self, _: Foresight) {}
-
-    fn job_id(&self, job: &Job) -> JobId {
-        job.id(self.statement)
-    }
-}
-
-fn candidate(problem: &Problem, index: u32) -> PlacementCandidate {
-    let placements = (0..problem.pairs.len())
-        .map(|i| Placed { pair: PairId::at(i), sample: index, world_from_object: problem.movable[0].world_from_start })
-        .collect();
-    PlacementCandidate { index, placements, orders: Vec::new() }
-}
-
-/// The grasp tells the alternatives apart.
-fn alternative(problem: &Problem, pair: PairId, index: u32) -> Alternative {
-    let q = problem.robot(problem.pair(pair).robot).start.clone();
-    let reach = Reach {
-        stand: q[..problem.robot(problem.pair(pair).robot).base_len()].to_vec(),
-        at_object: q.clone(),
-        approach: vec![q.clone()],
-        lift: vec![q],
-        lift_up: 0,
-        support: FixedId(0),
-    };
-    Alternative { index, grasp: GraspId(index), pick: reach.clone(), place: reach }
-}
-
-fn fails(cause: Cause, soundness: Soundness) -> Outcome {
-    Outcome { result: Err(FailureReport { causes: vec![(cause, 1)], soundness, certificate: None }), work: 1 }
-}
-
-fn no_path(pair: &str) -> Cause {
-    Cause::NoPath { pair: Some(pair.to_owned()), robot: "r".to_owned(), blocking: Vec::new() }
-}
-
-fn decisions(ledger: &Ledger) -> Vec<Decision> {
-    let decided = |entry: &LedgerEntry| match entry {
-        LedgerEntry::Decided(decision) => Some(decision.clone()),
-        _ => None,
-    };
-    ledger.entries.iter().filter_map(decided).collect()
-}
-
-fn transfer_fails_with(robot: u32, grasps: std::ops::Range<u32>) -> Rule {
-    Box::new(move |request| match request {
-        Request::Mode(job) if job.mode.robot.0 == robot && job.holding.is_some_and(|h| grasps.contains(&h.grasp.0)) => {
-            Some(fails(no_path("x"), Soundness::Soft { level: 0 }))
-        }
-        _ => None,
-    })
-}
 
 #[test]
 fn a_relay_is_committed_in_an_order_that_respects_the_hops() {
@@ -299,4 +171,19 @@ fn counts_of_stages_count_each_job_once() {
     let mut tally = CauseTally::default();
     tally.count(no_path("x"));
     assert_eq!(tally.ranked(), [(no_path("x"), 1)]);
+}
+
+#[test]
+fn pairs_that_exclude_one_another_whatever_their_alternatives_do_not_take_turns_for_ever() {
+    let mut statement = statement("t10_swap_with_buffer");
+    statement.options.candidates = 3;
+    // The way from one pair's object to the next one's.
+    let no_way_on: Rule = Box::new(|request| match request {
+        Request::Mode(job) if job.mode.step == 2 => Some(fails(no_path("x"), Soundness::Soft { level: 0 })),
+        _ => None,
+    });
+    let run = Scripted::new(&statement, vec![no_way_on]).run();
+    let End::Failed { result, causes, .. } = run.end else { panic!("solved without a way") };
+    assert_eq!(result, ResultKind::SamplesExhausted);
+    assert!(causes.contains(&(Cause::Budget { stage: "transition".into() }, 2 * 3)), "{causes:?}");
 }

@@ -1,0 +1,97 @@
+//! What a candidate does when a stage fails, by the stage's policy.
+
+use std::collections::BTreeSet;
+
+use contract::{Alternative, Answer, LedgerEntry, StageKind};
+use model::{FailurePolicy, PairId};
+use skeleton::Occupancy;
+
+use crate::asking::misfit;
+use crate::candidate::{Candidate, Detour, Found};
+use crate::conflict::{Choice, Conflict, Halt, Stuck};
+use crate::search::Search;
+
+impl Candidate<'_> {
+    /// Completes the candidate to a plan. Where no alternatives are left, the transition stage has failed.
+    pub(crate) fn complete(mut self, search: &mut Search<'_>) -> Result<Found, Stuck> {
+        self.ask_alternatives(search)?;
+        let mut more = search.policy(StageKind::Transition).doublings();
+        loop {
+            let conflict = match self.settle(search) {
+                Err(Stuck::Failed(conflict)) => conflict,
+                ended => return ended,
+            };
+            if self.patience == 0 {
+                return Err(Stuck::Failed(conflict));
+            }
+            if search.policy(StageKind::Transition) == FailurePolicy::Stop {
+                search.commit(LedgerEntry::Stopped { stage: StageKind::Transition });
+                return Err(Halt::Stopped(conflict.causes.ranked()).into());
+            }
+            loop {
+                let Some(doublings) = more.next() else { return Err(Stuck::Failed(conflict)) };
+                if self.more_alternatives(search, doublings)? {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Asks for more alternatives of the pairs that have none left; whether there are any. Then all pairs begin anew.
+    fn more_alternatives(&mut self, search: &mut Search<'_>, doublings: u32) -> Result<bool, Stuck> {
+        search.decide_more(StageKind::Transition, doublings);
+        let pairs: Vec<PairId> = self.used_up.iter().copied().collect();
+        let mut jobs = Vec::new();
+        for pair in &pairs {
+            jobs.extend(search.with_more(&self.alternatives_job(*pair), doublings)?);
+        }
+        let mut found = false;
+        for (pair, outcome) in pairs.iter().zip(search.ask_once(&jobs)?) {
+            match outcome.result {
+                Ok(Answer::Alternatives(alternatives)) => {
+                    let offered = &mut self.offered[pair.index()];
+                    let known = |new: &Alternative| offered.iter().any(|old| is_same(old, new));
+                    let new: Vec<Alternative> = alternatives.into_iter().filter(|new| !known(new)).collect();
+                    found |= !new.is_empty();
+                    offered.extend(new);
+                }
+                Ok(_) => return Err(misfit(StageKind::Transition).into()),
+                Err(_) => {}
+            }
+        }
+        if found {
+            self.used_up = BTreeSet::new();
+            self.detours = vec![Detour::default(); self.problem.pairs.len()];
+            (0..self.problem.pairs.len()).for_each(|pair| self.reopen(PairId::at(pair)));
+        }
+        Ok(found)
+    }
+
+    /// A later stage has failed: the transition stage chooses anew, told what the failure depends on or not.
+    pub(crate) fn fall_back(
+        &mut self,
+        search: &mut Search<'_>,
+        stage: StageKind,
+        mut conflict: Conflict,
+    ) -> Result<(), Stuck> {
+        if !search.policy(stage).tells_causes() {
+            conflict.choices = self.all_choices();
+            // Composite motion has counted its failure.
+            if stage != StageKind::Composite {
+                conflict = self.less_patient(stage, conflict)?;
+            }
+        }
+        self.revise(search, conflict)
+    }
+
+    fn all_choices(&self) -> BTreeSet<Choice> {
+        let alternatives = (0..self.problem.pairs.len()).map(|pair| Choice::Alternative(PairId::at(pair)));
+        let occupancies: Vec<Occupancy> = self.skeleton.occupancies().collect();
+        alternatives.chain(occupancies.into_iter().map(Choice::Pose)).collect()
+    }
+}
+
+/// Whether two alternatives, asked for at different levels, are one.
+fn is_same(a: &Alternative, b: &Alternative) -> bool {
+    (a.grasp, &a.pick, &a.place) == (b.grasp, &b.pick, &b.place)
+}

@@ -122,9 +122,11 @@ impl Arm<'_> {
     fn out_of_reach(&self, targets: &[Target]) -> Option<Distance> {
         let (least, greatest) = (self.reach.least, self.reach.greatest);
         let limit = if self.all_places(|place| !self.may_reach(targets, place)) {
-            DistanceLimit::Far { greatest_m: greatest + GAP / 3.0, nearest_m: greatest + GAP * 2.0 / 3.0 }
+            let nearest = self.extreme(|place| self.nearest(targets, place), f64::min)?;
+            DistanceLimit::Far { greatest_m: greatest + GAP / 3.0, nearest_m: nearest - GAP / 3.0 }
         } else if self.all_places(|place| self.is_too_near(targets, place)) {
-            DistanceLimit::Near { least_m: least - GAP / 3.0, farthest_m: least - GAP * 2.0 / 3.0 }
+            let farthest = self.extreme(|place| self.farthest(targets, place), f64::max)?;
+            DistanceLimit::Near { least_m: least - GAP / 3.0, farthest_m: farthest + GAP / 3.0 }
         } else {
             return None;
         };
@@ -139,14 +141,34 @@ impl Arm<'_> {
         }
     }
 
-    fn may_reach(&self, targets: &[Target], place: [f64; 2]) -> bool {
+    /// The least or greatest value over those places; `None` where there is no place.
+    fn extreme(&self, value: impl Fn([f64; 2]) -> f64, of: fn(f64, f64) -> f64) -> Option<f64> {
+        match &self.floor {
+            Some(floor) => {
+                floor.cells().filter(|cell| !floor.is_blocked(*cell)).map(|cell| value(floor.middle(cell))).reduce(of)
+            }
+            None => Some(value([0.0; 2])),
+        }
+    }
+
+    /// Least distance (m) of the shoulder from a target, at least.
+    fn nearest(&self, targets: &[Target], place: [f64; 2]) -> f64 {
         let (from, spread) = self.shoulder_at(place);
-        targets.iter().any(|target| target.nearest(from, spread) <= self.reach.greatest + GAP)
+        targets.iter().map(|target| target.nearest(from, spread)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Greatest distance (m) of the shoulder from a target, at most.
+    fn farthest(&self, targets: &[Target], place: [f64; 2]) -> f64 {
+        let (from, spread) = self.shoulder_at(place);
+        targets.iter().map(|target| target.farthest(from, spread)).fold(0.0, f64::max)
+    }
+
+    fn may_reach(&self, targets: &[Target], place: [f64; 2]) -> bool {
+        self.nearest(targets, place) <= self.reach.greatest + GAP
     }
 
     fn is_too_near(&self, targets: &[Target], place: [f64; 2]) -> bool {
-        let (from, spread) = self.shoulder_at(place);
-        targets.iter().all(|target| target.farthest(from, spread) < self.reach.least - GAP)
+        self.farthest(targets, place) < self.reach.least - GAP
     }
 
     /// The shoulder in the base's frame, and how far it may be from there: a base that drives turns as well.

@@ -1,6 +1,6 @@
 //! Plans many random problems and prints a table:
 //! `cargo run --release --example random_instances -- [SMALL] [LARGE] [FIRST_SEED] [WORK]` (900, 100, 0, 1000000). Those without a
-//! plan are listed with their commonest cause.
+//! plan are listed with their commonest cause. `-- text small|large SEED > launch/scenes/FILE.yaml` writes a problem.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used, reason = "a tool for developers")]
 
@@ -87,7 +87,14 @@ impl Tally {
 }
 
 fn main() {
-    let mut numbers = std::env::args().skip(1).map(|word| word.parse().expect("a number"));
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [mode, size, seed] = &words[..]
+        && mode == "text"
+    {
+        let size = if size == "large" { Size::Large } else { Size::Small };
+        return print!("{}", generator::text(size, seed.parse().expect("a seed")));
+    }
+    let mut numbers = words.iter().map(|word| word.parse().expect("a number"));
     let (small, large) = (numbers.next().unwrap_or(900), numbers.next().unwrap_or(100));
     let first: u64 = numbers.next().unwrap_or(0);
     let limit: u64 = numbers.next().unwrap_or(1_000_000);

@@ -20,8 +20,13 @@ pub enum Size {
 
 /// The problem of a seed.
 pub fn problem(size: Size, seed: u64) -> Problem {
-    let text = Hall::new(size, seed).text();
+    let text = text(size, seed);
     load_text(&text).unwrap_or_else(|error| panic!("random problem {size:?} {seed} is refused: {error:?}\n{text}"))
+}
+
+/// The text of a seed's problem, for a file in the folder of scenes.
+pub fn text(size: Size, seed: u64) -> String {
+    Hall::new(size, seed).text()
 }
 
 /// Loads a problem whose text is not on disk; robots are.

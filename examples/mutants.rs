@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use contract::{CompositeMethod, ProblemStatement};
-use launch::progress::Progress;
+use launch::progress::{Progress, Show};
 use model::{FindingKind, Problem, ProblemError, load_problem_with_places};
 use support::mutants::{Random, mutant};
 use support::{PROBLEM, SRDF, URDF, good};
@@ -70,7 +70,7 @@ impl Counts {
     /// Plans for a moment.
     fn plan(&mut self, seed: u64, problem: Problem) {
         let statement = Arc::new(ProblemStatement::new(problem, seed, CompositeMethod::default()));
-        let (progress, never) = (Progress::new(statement.clone(), true), Arc::new(AtomicBool::new(false)));
+        let (progress, never) = (Progress::new(statement.clone(), Show::Nothing), Arc::new(AtomicBool::new(false)));
         let began = Instant::now();
         let run = || drop(launch::in_process::run(&statement, Some(PLANNING), &never, &progress));
         if catch_unwind(AssertUnwindSafe(run)).is_err() {

@@ -94,7 +94,7 @@ fn plan_once(args: &BenchArgs, seed: u64) -> miette::Result<Row> {
     }
     let (started, cpu_before) = (std::time::Instant::now(), children_cpu_s());
     let ended = command.output().into_diagnostic().wrap_err("the program cannot start itself")?;
-    let report: Value = serde_json::from_slice(&ended.stdout).unwrap_or(Value::Null);
+    let report = result_of(&ended.stdout);
     let refused = String::from_utf8_lossy(&ended.stderr).contains("the checker refuses the plan");
     if report.is_null() {
         eprintln!("seed {seed}: {}", String::from_utf8_lossy(&ended.stderr).trim_end());
@@ -107,6 +107,13 @@ fn plan_once(args: &BenchArgs, seed: u64) -> miette::Result<Row> {
         cpu_s: children_cpu_s() - cpu_before,
         report,
     })
+}
+
+/// The object of a run's last line: its result. Null if it ended with none.
+fn result_of(stdout: &[u8]) -> Value {
+    let last = stdout.trim_ascii_end().rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+    let line: Value = serde_json::from_slice(last).unwrap_or(Value::Null);
+    if line["event"] == "result" { line } else { Value::Null }
 }
 
 /// CPU time of all ended children and theirs (s).

@@ -9,7 +9,7 @@ use validation::Violation;
 
 use crate::exit::{self, BadInput};
 use crate::packages::PackageArgs;
-use crate::problem_source;
+use crate::{explain, problem_source};
 
 /// Arguments of `mrtamp check`.
 #[derive(Args, Debug)]
@@ -21,6 +21,9 @@ pub struct CheckArgs {
     /// Results for programs.
     #[arg(long)]
     pub json: bool,
+    /// Also say why the plan is as it is, or what to try where there is none.
+    #[arg(long)]
+    pub explain: bool,
     /// Where ROS packages lie.
     #[command(flatten)]
     pub packages: PackageArgs,
@@ -38,11 +41,15 @@ pub fn run(args: &CheckArgs) -> miette::Result<ExitCode> {
         help: Some(format!("`mrtamp schema {format}` prints what a {format} looks like")),
     };
     match plan::read_failure(&bytes) {
-        Ok(failure) => Ok(said(args, validation::check_failure(&problem, &failure))),
+        Ok(failure) => {
+            let why = || explain::failure_text(&problem, &failure);
+            Ok(said(args, validation::check_failure(&problem, &failure), why))
+        }
         Err(error) if is_failure(&bytes) => Err(unreadable(error, "failure").into()),
         Err(_) => {
             let plan = plan::read_plan(&bytes).map_err(|error| unreadable(error, "plan"))?;
-            Ok(said(args, validation::check_plan(&problem, &plan).map(|_| ())))
+            let why = || explain::plan_reasons::plan_text(&problem, &plan, None);
+            Ok(said(args, validation::check_plan(&problem, &plan).map(|_| ()), why))
         }
     }
 }
@@ -54,9 +61,12 @@ fn is_failure(bytes: &[u8]) -> bool {
 }
 
 /// Says the verdict.
-fn said(args: &CheckArgs, verdict: Result<(), Vec<Violation>>) -> ExitCode {
+fn said(args: &CheckArgs, verdict: Result<(), Vec<Violation>>, why: impl Fn() -> String) -> ExitCode {
     let Err(violations) = verdict else {
         println!("accepted: {}", args.plan.display());
+        if args.explain {
+            print!("\n{}", why());
+        }
         return ExitCode::from(exit::SOLVED);
     };
     for violation in &violations {

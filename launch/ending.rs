@@ -3,17 +3,16 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use contract::{Ledger, ProblemStatement, StageKind};
-use miette::{Context, IntoDiagnostic};
-use plan::{Cause, Certificate, Failure, Origin, Plan, Provenance, ResultKind, StageCount};
+use contract::{AskFault, Ledger, LedgerEntry, ProblemStatement, StageKind};
+use miette::IntoDiagnostic;
+use plan::{Cause, Certificate, Failure, Plan, Provenance, ResultKind};
 use refiner::End;
-use serde::Serialize;
 
-use crate::exit;
 use crate::in_process::RunEnd;
-use crate::progress::Progress;
-use crate::result_file::write_whole;
-use crate::view;
+use crate::progress::{Progress, tally};
+use crate::report::{PlanFigures, Report, StageFigures, stage_figures, summary};
+use crate::result_folder::ResultFolder;
+use crate::{exit, explain, view};
 
 /// How a run is concluded.
 pub struct Conclusion<'a> {
@@ -21,43 +20,12 @@ pub struct Conclusion<'a> {
     pub statement: &'a ProblemStatement,
     /// Folder for `plan.json` or `failure.json`.
     pub out: &'a Path,
-    /// One line of JSON on stdout instead of words.
+    /// A JSON object on stdout instead of words.
     pub json: bool,
-    /// The run's clock, and its lines.
+    /// Also why the plan is as it is.
+    pub explain: bool,
+    /// The run's clock, counts and lines.
     pub progress: &'a Progress,
-}
-
-/// The result for programs: one line of JSON on stdout.
-#[derive(Serialize)]
-struct Report<'a> {
-    result: &'a str,
-    problem: &'a str,
-    seed: u64,
-    file: String,
-    elapsed_s: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    plan: Option<PlanFigures>,
-    causes: &'a [(Cause, u64)],
-    stages: Vec<StageFigures<'a>>,
-}
-
-/// A plan in figures.
-#[derive(Serialize)]
-struct PlanFigures {
-    task_s: f64,
-    total_s: f64,
-    lower_bound_s: f64,
-    given: usize,
-    discovered: usize,
-    arcs: usize,
-}
-
-/// A stage's work and time.
-#[derive(Serialize)]
-struct StageFigures<'a> {
-    #[serde(flatten)]
-    count: &'a StageCount,
-    busy_s: f64,
 }
 
 impl Conclusion<'_> {
@@ -69,8 +37,12 @@ impl Conclusion<'_> {
         match (&run.refinement.end, &run.plan) {
             (End::Solved { .. }, Some(bytes)) => self.solved(run, bytes),
             (End::Solved { .. }, None) => Err(miette::miette!("the plan's product is lost")),
+            (End::Failed { result: ResultKind::LimitReached, .. }, _) if !ended_itself(run) => {
+                self.failed(run, &self.cut_short(run))
+            }
+            (End::Fault(AskFault::TimeLimit | AskFault::Cancelled), _) => self.failed(run, &self.cut_short(run)),
             (End::Failed { result, causes, certificate }, _) => {
-                self.failed(run, self.failure(run, *result, causes, certificate.as_ref()))
+                self.failed(run, &self.failure(run, *result, causes, certificate.as_ref()))
             }
             (End::Fault(fault), _) => Err(miette::miette!("{fault}")),
         }
@@ -79,28 +51,39 @@ impl Conclusion<'_> {
     fn solved(&self, run: &RunEnd, product: &[u8]) -> miette::Result<ExitCode> {
         let plan = finished_plan(self.statement, &run.refinement.ledger, product)?;
         let bytes = plan::write_plan(&plan).into_diagnostic()?;
+        let folder = ResultFolder(self.out);
         self.progress.say("[checker] checks the plan");
         if let Err(violations) = validation::check_plan(&self.statement.problem, &plan) {
-            write(self.out, "plan.rejected.json", &bytes)?;
+            let kept = folder.write("plan.rejected.json", &bytes)?;
             let said = violations.iter().take(10).map(|v| format!("  {}: {}", v.rule.name(), v.message));
             return Err(miette::miette!(
                 "the checker refuses the plan in {} places; this is a fault of mrtamp, the plan is kept in {}\n{}",
                 violations.len(),
-                self.out.join("plan.rejected.json").display(),
+                kept.display(),
                 said.collect::<Vec<_>>().join("\n")
             ));
         }
-        write(self.out, "plan.json", &bytes)?;
+        let file = folder.write("plan.json", &bytes)?;
         let page = view::plan_page(&self.statement.problem, &plan, &run.refinement.stages, &[]).into_diagnostic()?;
-        write(self.out, "plan.html", page.as_bytes())?;
-        remove_stale(self.out, "failure.json")?;
-        remove_stale(self.out, "failure.html")?;
+        let page = folder.write("plan.html", page.as_bytes())?;
+        folder.remove("failure.json")?;
+        folder.remove("failure.html")?;
         self.progress.say("[checker] certified");
-        if self.json {
-            self.report("solved", run, "plan.json", Some(figures(&plan)), &[])?;
-        } else {
-            print!("{}", self.summary(&plan, run));
+        self.progress.finish();
+        let figures = PlanFigures::of(&plan);
+        let mut words = summary(&plan, &figures, run, self.progress.elapsed_s());
+        words += &format!("  written      {}\n  to look at   {}\n", file.display(), page.display());
+        if self.explain {
+            let (problem, ledger) = (&self.statement.problem, &run.refinement.ledger);
+            words += &format!("\n{}", explain::plan_reasons::plan_text(problem, &plan, Some(ledger)));
         }
+        match (self.json, self.explain) {
+            (false, _) => print!("{words}"),
+            (true, true) => eprint!("{words}"),
+            (true, false) => {}
+        }
+        let stages = stage_figures(&run.refinement.stages, &run.busy);
+        self.report("solved", &file, Some(figures), &[], stages);
         Ok(ExitCode::from(exit::SOLVED))
     }
 
@@ -119,6 +102,7 @@ impl Conclusion<'_> {
             causes: causes.to_vec(),
             certificate: certificate.cloned(),
             stages: run.refinement.stages.clone(),
+            reached: tally::reached(&run.refinement.ledger),
             provenance: provenance(self.statement, &run.refinement.ledger),
         };
         match validation::check_failure(&self.statement.problem, &failure) {
@@ -132,103 +116,58 @@ impl Conclusion<'_> {
         }
     }
 
-    fn failed(&self, run: &RunEnd, failure: Failure) -> miette::Result<ExitCode> {
-        let (result, causes) = (failure.result, failure.causes.as_slice());
-        write(self.out, "failure.json", &plan::write_failure(&failure).into_diagnostic()?)?;
-        let page = view::failure_page(&self.statement.problem, &failure).into_diagnostic()?;
-        write(self.out, "failure.html", page.as_bytes())?;
-        remove_stale(self.out, "plan.json")?;
-        remove_stale(self.out, "plan.html")?;
-        let (code, name) = match result {
+    /// The failure of a search that could not come to its own end: what was seen of it so far.
+    fn cut_short(&self, run: &RunEnd) -> Failure {
+        let tally = self.progress.tally();
+        Failure { stages: tally.counts(), ..self.failure(run, ResultKind::LimitReached, &tally.causes(), None) }
+    }
+
+    fn failed(&self, run: &RunEnd, failure: &Failure) -> miette::Result<ExitCode> {
+        self.progress.finish();
+        let folder = ResultFolder(self.out);
+        let file = folder.write("failure.json", &plan::write_failure(failure).into_diagnostic()?)?;
+        let page = view::failure_page(&self.statement.problem, failure).into_diagnostic()?;
+        let page = folder.write("failure.html", page.as_bytes())?;
+        let (code, name) = match failure.result {
             ResultKind::InfeasibleProven => (exit::INFEASIBLE, "infeasible_proven"),
             ResultKind::SamplesExhausted => (exit::EXHAUSTED, "samples_exhausted"),
             ResultKind::LimitReached => (exit::LIMIT, "limit_reached"),
         };
-        eprintln!("\n{}", crate::words::result(result));
-        for count in &failure.stages {
-            eprintln!("  {:<10} {:>6} jobs, {:>6} failed", count.stage, count.jobs, count.failures);
+        eprint!("\n{}", explain::failure_text(&self.statement.problem, failure));
+        eprintln!("Written: {}\nTo look at: {}", file.display(), page.display());
+        match failure.result {
+            ResultKind::LimitReached => folder.keep_earlier_plan(),
+            ResultKind::InfeasibleProven | ResultKind::SamplesExhausted => folder.set_earlier_plan_aside()?,
         }
-        if !causes.is_empty() {
-            eprintln!("What was in the way, most frequent first:");
-        }
-        for (cause, times) in causes.iter().take(8) {
-            eprintln!("  {times:>6} times: {}", crate::words::cause(cause));
-        }
-        eprintln!("Written: {}", self.out.join("failure.json").display());
-        eprintln!("To look at: {}", self.out.join("failure.html").display());
-        if self.json {
-            self.report(name, run, "failure.json", None, causes)?;
-        }
+        self.report(name, &file, None, &failure.causes, stage_figures(&failure.stages, &run.busy));
         Ok(ExitCode::from(code))
     }
 
     fn report(
         &self,
         result: &str,
-        run: &RunEnd,
-        file: &str,
+        file: &Path,
         plan: Option<PlanFigures>,
         causes: &[(Cause, u64)],
-    ) -> miette::Result<()> {
-        let report = Report {
+        stages: Vec<StageFigures<'_>>,
+    ) {
+        self.progress.emit(&Report {
+            event: "result",
             result,
             problem: &self.statement.problem.name,
             seed: self.statement.seed,
-            file: self.out.join(file).display().to_string(),
+            file: file.display().to_string(),
             elapsed_s: self.progress.elapsed_s(),
             plan,
             causes,
-            stages: stage_figures(run),
-        };
-        println!("{}", serde_json::to_string(&report).into_diagnostic()?);
-        Ok(())
-    }
-
-    /// The summary of a solved run, for stdout.
-    fn summary(&self, plan: &Plan, run: &RunEnd) -> String {
-        let figures = figures(plan);
-        let mut text = format!(
-            "\nCertified plan of {} in {:.1} s\n  makespan     {:.2} s for the task, {:.2} s in all\n  lower bound  {:.2} s \
-             ({})\n  orderings    {} given, {} discovered\n  arcs         {} between robots\n",
-            plan.problem,
-            self.progress.elapsed_s(),
-            figures.task_s,
-            figures.total_s,
-            figures.lower_bound_s,
-            plan.lower_bound.kind,
-            figures.given,
-            figures.discovered,
-            figures.arcs,
-        );
-        for ordering in plan.orderings.iter().filter(|ordering| ordering.origin == Origin::Discovered) {
-            text += &format!("    {}\n", crate::words::ordering(ordering));
-        }
-        for StageFigures { count, busy_s } in stage_figures(run) {
-            text += &format!(
-                "  {:<11}  {busy_s:.2} s, {} jobs, {} failed, {} work units\n",
-                count.stage, count.jobs, count.failures, count.work
-            );
-        }
-        text += &format!("  written      {}\n", self.out.join("plan.json").display());
-        text + &format!("  to look at   {}\n", self.out.join("plan.html").display())
+            stages,
+        });
     }
 }
 
-fn figures(plan: &Plan) -> PlanFigures {
-    let of_origin = |wanted: Origin| plan.orderings.iter().filter(|ordering| ordering.origin == wanted).count();
-    PlanFigures {
-        task_s: plan.makespan.task_s,
-        total_s: plan.makespan.total_s,
-        lower_bound_s: plan.lower_bound.seconds,
-        given: of_origin(Origin::Given),
-        discovered: of_origin(Origin::Discovered),
-        arcs: plan.dependencies.len(),
-    }
-}
-
-fn stage_figures(run: &RunEnd) -> Vec<StageFigures<'_>> {
-    let busy_s = |name: &str| StageKind::of_name(name).map_or(0.0, |kind| run.busy.seconds(kind));
-    run.refinement.stages.iter().map(|count| StageFigures { count, busy_s: busy_s(&count.stage) }).collect()
+/// Whether the search came to its own end: a limit on work is one, a limit on time is not.
+fn ended_itself(run: &RunEnd) -> bool {
+    matches!(run.refinement.ledger.entries.last(), Some(LedgerEntry::LimitReached { .. }))
 }
 
 /// What a plan or failure was made from.
@@ -257,20 +196,4 @@ pub fn finished_plan(statement: &ProblemStatement, ledger: &Ledger, product: &[u
     let mut plan = plan::read_plan(&bytes).into_diagnostic()?;
     plan.provenance = provenance(statement, ledger);
     Ok(plan)
-}
-
-/// Writes a file whole or not at all.
-fn write(out: &Path, name: &str, bytes: &[u8]) -> miette::Result<()> {
-    let path = out.join(name);
-    write_whole(&path, bytes).into_diagnostic().wrap_err_with(|| format!("{} cannot be written", path.display()))
-}
-
-/// Removes what an earlier run left under the other name.
-fn remove_stale(out: &Path, name: &str) -> miette::Result<()> {
-    match std::fs::remove_file(out.join(name)) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(error).into_diagnostic().wrap_err_with(|| format!("{} cannot be removed", out.join(name).display()))
-        }
-        _ => Ok(()),
-    }
 }

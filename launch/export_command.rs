@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use miette::{Context, IntoDiagnostic};
 
 use crate::exit::{self, BadInput};
+use crate::packages::PackageArgs;
 use crate::playback::{Mismatch, Playback};
 use crate::{export, result_file};
 
@@ -29,6 +30,9 @@ pub struct ExportArgs {
     /// In a table, also the pose of every link.
     #[arg(long)]
     pub links: bool,
+    /// Where ROS packages lie.
+    #[command(flatten)]
+    pub packages: PackageArgs,
 }
 
 /// Formats of other programs.
@@ -63,7 +67,7 @@ pub fn run(args: &ExportArgs) -> miette::Result<ExitCode> {
     if args.rate.is_some_and(|rate| !(rate > 0.0 && rate <= GREATEST_RATE)) {
         return Err(BadInput::new(format!("--rate must lie above 0 and be at most {GREATEST_RATE} Hz")).into());
     }
-    let loaded = result_file::load(&args.plan, args.problem.as_deref())?;
+    let loaded = result_file::load(&args.plan, args.problem.as_deref(), &args.packages)?;
     let playback = Playback::new(&loaded.problem, &loaded.plan)
         .map_err(|error: Mismatch| BadInput::new(format!("{}: {error}", args.plan.display())))?;
     let bytes = match args.format {

@@ -34,7 +34,7 @@ pub fn run(
     cancelled: &Arc<AtomicBool>,
     progress: &Progress,
 ) -> miette::Result<RunEnd> {
-    let busy = BusyTimes::default();
+    let busy = progress.busy().clone();
     let ended = Arc::new(AtomicBool::new(false));
     let mut calls = DirectCalls::new(statement.clone(), own_stages(statement, &busy)?, ended.clone());
     let watched = progress.clone();

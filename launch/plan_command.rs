@@ -17,7 +17,7 @@ use crate::exit::BadInput;
 use crate::in_process::RunEnd;
 use crate::packages::PackageArgs;
 use crate::processes::Members;
-use crate::progress::Progress;
+use crate::progress::{Progress, Show};
 use crate::result_file::refuse_unwritable;
 use crate::search_args::SearchArgs;
 use crate::set::launch_file;
@@ -49,9 +49,12 @@ pub struct PlanArgs {
     /// What the search does when a stage fails, and how much it may work.
     #[command(flatten)]
     pub search: SearchArgs,
-    /// Results for programs.
+    /// What happens and the result for programs: one JSON object a line on stdout.
     #[arg(long)]
     pub json: bool,
+    /// Also say why the plan is as it is: orderings, what was given up, waits, the gap to the lower bound.
+    #[arg(long)]
+    pub explain: bool,
     /// Where ROS packages lie.
     #[command(flatten)]
     pub packages: PackageArgs,
@@ -99,18 +102,22 @@ pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
     let mut statement = ProblemStatement::new(problem, args.seed, args.composite.into());
     statement.options = SearchOptions::of(&search);
     let statement = Arc::new(statement);
-    let progress = Progress::new(statement.clone(), args.json);
     let cancelled = cancelled_by_signal().into_diagnostic()?;
     let time_limit = args.time_limit.or(search.time_limit.map(f64::from)).map(time_limit).transpose()?;
-    let (statement, run) = if args.in_process {
-        let run = in_process::run(&statement, time_limit, &cancelled, &progress)?;
-        (statement, run)
+    let progress = Progress::new(statement.clone(), Show::choose(args.json));
+    let ended = if args.in_process {
+        in_process::run(&statement, time_limit, &cancelled, &progress).map(|run| (run, None))
     } else {
-        let (run, end) = processes::run(&statement, &launch, Members::Processes, time_limit, &cancelled, &progress)?;
-        keep_replay(&args.out, &run, end.replay.as_deref())?;
-        (end.statement, run)
+        processes::run(&statement, &launch, Members::Processes, time_limit, &cancelled, &progress)
     };
-    Conclusion { statement: &statement, out: &args.out, json: args.json, progress: &progress }.conclude(&run)
+    let concluded = ended.and_then(|(run, end)| {
+        keep_replay(&args.out, &run, end.as_ref().and_then(|end| end.replay.as_deref()))?;
+        let statement = end.map_or(statement, |end| end.statement);
+        let (out, json, explain) = (&args.out, args.json, args.explain);
+        Conclusion { statement: &statement, out, json, explain, progress: &progress }.conclude(&run)
+    });
+    progress.finish();
+    concluded
 }
 
 /// Set by the first signal to end; the second ends the program at once.

@@ -77,7 +77,7 @@ pub fn load_with(named: Option<&Path>, packages: &PackageArgs) -> miette::Result
     };
     let name = path.to_string_lossy();
     let built_in = BUILT_IN.0.iter().any(|(file, _)| *file == scene(&name));
-    if built_in && !path.exists() {
+    if built_in && !path.is_file() {
         return checked(&BUILT_IN, &scene(&name));
     }
     checked(&packages.files(), &name)

@@ -8,6 +8,7 @@ use model::Problem;
 use plan::{Plan, PlanFileError};
 
 use crate::exit::BadInput;
+use crate::packages::PackageArgs;
 use crate::problem_source;
 
 /// A plan with its problem.
@@ -23,10 +24,10 @@ pub struct PlanWithProblem {
 ///
 /// # Errors
 /// Bad input: a file that cannot be read, or a problem that is not the plan's.
-pub fn load(plan: &Path, problem: Option<&Path>) -> miette::Result<PlanWithProblem> {
+pub fn load(plan: &Path, problem: Option<&Path>, packages: &PackageArgs) -> miette::Result<PlanWithProblem> {
     let bytes = problem_source::read_file(plan)?;
     let read = plan::read_plan(&bytes).map_err(|error| unreadable(plan, &error, "plan"))?;
-    let problem = load_problem(&read.problem, &read.provenance.problem_digest, plan, problem)?;
+    let problem = load_problem(&read.problem, &read.provenance.problem_digest, plan, problem, packages)?;
     Ok(PlanWithProblem { plan: read, problem })
 }
 
@@ -34,9 +35,15 @@ pub fn load(plan: &Path, problem: Option<&Path>) -> miette::Result<PlanWithProbl
 ///
 /// # Errors
 /// Bad input, also when its digest is another than the file's.
-pub fn load_problem(name: &str, digest: &str, file: &Path, named: Option<&Path>) -> miette::Result<Problem> {
+pub fn load_problem(
+    name: &str,
+    digest: &str,
+    file: &Path,
+    named: Option<&Path>,
+    packages: &PackageArgs,
+) -> miette::Result<Problem> {
     let path = named.map_or_else(|| PathBuf::from(name), Path::to_path_buf);
-    let problem = problem_source::load(Some(&path))?;
+    let problem = problem_source::load_with(Some(&path), packages)?;
     // Seed and method are no part of the problem's digest.
     let statement = ProblemStatement::new(problem, 0, CompositeMethod::default());
     if statement.problem_digest().hex() != digest {

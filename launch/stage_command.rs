@@ -1,13 +1,14 @@
 //! `mrtamp stage`: a worker process of a run.
 
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::{Args, ValueEnum};
 use contract::{Interrupted, Job, JobContext, Outcome, ProblemStatement, Stage, StageKind};
 use miette::IntoDiagnostic;
+use model::Problem;
 
-use crate::progress::Progress;
+use crate::progress::{ABOUT_A_JOB, lines};
 use crate::set::member::MemberArgs;
 use crate::set::stage_process;
 use crate::stages::own_stage;
@@ -54,8 +55,8 @@ pub fn run(args: &StageArgs) -> miette::Result<ExitCode> {
     let kind = StageKind::from(args.stage);
     let make = |statement: &ProblemStatement| {
         let stage = own_stage(kind, statement).map_err(|report| report.to_string())?;
-        let progress = Progress::new(Arc::new(statement.clone()), false);
-        Ok(Box::new(Told { stage, progress }) as Box<dyn Stage>)
+        let (problem, answered) = (statement.problem.clone(), AtomicU64::new(0));
+        Ok(Box::new(Told { stage, problem, answered }) as Box<dyn Stage>)
     };
     stage_process::run(&args.member, kind, &ProblemStatement::own_implementation(kind), &make).into_diagnostic()?;
     Ok(ExitCode::SUCCESS)
@@ -64,14 +65,16 @@ pub fn run(args: &StageArgs) -> miette::Result<ExitCode> {
 /// A stage that says on stderr what it has done; the supervisor puts its name before every line.
 struct Told {
     stage: Box<dyn Stage>,
-    progress: Progress,
+    problem: Problem,
+    answered: AtomicU64,
 }
 
 impl Stage for Told {
     fn refine(&self, job: &Job, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
         let outcome = self.stage.refine(job, context)?;
-        if let Some(line) = self.progress.line_of(job, &outcome) {
-            eprintln!("{line}");
+        let count = self.answered.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(line) = lines::of_job(&self.problem, job, &outcome, count) {
+            eprintln!("{ABOUT_A_JOB}{line}");
         }
         Ok(outcome)
     }

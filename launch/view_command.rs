@@ -7,6 +7,7 @@ use clap::Args;
 use miette::{Context, IntoDiagnostic};
 
 use crate::exit::{self, BadInput};
+use crate::packages::PackageArgs;
 use crate::view::{self, PageError};
 use crate::{problem_source, result_file};
 
@@ -21,6 +22,9 @@ pub struct ViewArgs {
     /// Page to write (default: beside the file, with the ending `.html`).
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Where ROS packages lie.
+    #[command(flatten)]
+    pub packages: PackageArgs,
 }
 
 /// Writes the page of a plan or a failure again.
@@ -42,11 +46,12 @@ fn page(args: &ViewArgs) -> miette::Result<String> {
     let made = match plan::read_failure(&bytes) {
         Ok(failure) => {
             let digest = &failure.provenance.problem_digest;
-            let problem = result_file::load_problem(&failure.problem, digest, &args.result, args.problem.as_deref())?;
+            let named = args.problem.as_deref();
+            let problem = result_file::load_problem(&failure.problem, digest, &args.result, named, &args.packages)?;
             view::failure_page(&problem, &failure)
         }
         Err(_) => {
-            let loaded = result_file::load(&args.result, args.problem.as_deref())?;
+            let loaded = result_file::load(&args.result, args.problem.as_deref(), &args.packages)?;
             let violations = match validation::check_plan(&loaded.problem, &loaded.plan) {
                 Ok(_) => Vec::new(),
                 Err(violations) => violations.iter().map(|v| format!("{}: {}", v.rule.name(), v.message)).collect(),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use contract::{Decision, DiscoveredOrder};
 use model::Problem;
 use plan::{BodyRef, Cause, Certificate, Distance, DistanceLimit, PairEnd, PairPoint, PlanOrdering, ResultKind};
 use skeleton::ModeId;
@@ -16,13 +17,35 @@ pub fn mode(problem: &Problem, mode: ModeId) -> String {
     }
 }
 
+/// A decision of the search.
+#[must_use]
+pub fn decision(problem: &Problem, decision: &Decision) -> String {
+    match decision {
+        Decision::Level(level) => format!("sample level {level}"),
+        Decision::Placement(index) => format!("placement candidate {index}"),
+        Decision::Alternative { pair, index } => {
+            format!("{} in another way: alternative {index}", problem.pair(*pair).name)
+        }
+        Decision::Commit(committed) => format!("motion of {}", mode(problem, *committed)),
+        Decision::Order(added) => format!("ordering {}", order(problem, added)),
+        Decision::Drrt => "the composite search takes over".to_owned(),
+        Decision::More { stage, times } => format!("{stage} is asked again with {times} times as many samples"),
+    }
+}
+
+/// A discovered ordering without its cause.
+#[must_use]
+pub fn order(problem: &Problem, order: &DiscoveredOrder) -> String {
+    format!("{} before {}", order.before.describe(problem), order.after.describe(problem))
+}
+
 /// How a search without a plan ended.
 #[must_use]
 pub fn result(result: ResultKind) -> &'static str {
     match result {
         ResultKind::InfeasibleProven => "There is no plan: proven.",
         ResultKind::SamplesExhausted => "No plan among the samples tried. That is no proof.",
-        ResultKind::LimitReached => "No plan within the limit.",
+        ResultKind::LimitReached => "No plan so far: a limit or a signal ended the search.",
     }
 }
 

@@ -46,9 +46,10 @@ fn a_page_stands_beside_every_result_and_none_beside_another_runs() {
     let failed = mrtamp(&["plan", &out_of_reach(), "--in-process", "--out", "out"], here);
     assert_eq!(failed.status.code(), Some(3), "proven");
     assert!(String::from_utf8_lossy(&failed.stderr).contains("out/failure.html"));
-    assert_eq!(files(&out), ["failure.html", "failure.json"]);
+    assert_eq!(files(&out), ["failure.html", "failure.json", "plan.previous.html", "plan.previous.json"]);
+    assert!(String::from_utf8_lossy(&failed.stderr).contains("out/plan.previous.json"));
     succeed(&["plan", "t00_one_arm", "--in-process", "--out", "out"], here);
-    assert_eq!(files(&out), ["plan.html", "plan.json"]);
+    assert_eq!(files(&out), ["plan.html", "plan.json", "plan.previous.html", "plan.previous.json"]);
 }
 
 #[test]

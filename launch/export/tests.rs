@@ -12,14 +12,14 @@ use serde_json::Value;
 use super::{csv, glb, ros2};
 use crate::ending::finished_plan;
 use crate::playback::{Mismatch, Playback};
-use crate::progress::Progress;
+use crate::progress::{Progress, Show};
 use crate::{in_process, problem_source};
 
 /// A built-in scene with its plan.
 fn planned(scene: &str) -> (Problem, Plan) {
     let problem = problem_source::load(Some(Path::new(scene))).unwrap();
     let statement = Arc::new(ProblemStatement::new(problem, 0, CompositeMethod::Prioritised));
-    let progress = Progress::new(statement.clone(), true);
+    let progress = Progress::new(statement.clone(), Show::Nothing);
     let run = in_process::run(&statement, None, &Arc::new(AtomicBool::new(false)), &progress).unwrap();
     let plan = finished_plan(&statement, &run.refinement.ledger, &run.plan.unwrap()).unwrap();
     (statement.problem.clone(), plan)

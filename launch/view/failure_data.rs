@@ -11,6 +11,8 @@ pub struct FailureData {
     headline: &'static str,
     tried: Tried,
     causes: Vec<CauseData>,
+    /// What to try, the most promising first.
+    remedies: Vec<String>,
 }
 
 /// How far the search went, in words.
@@ -63,6 +65,7 @@ impl FailureData {
             headline: crate::words::result(failure.result),
             tried: tried(problem, failure),
             causes: proof.chain(causes).collect(),
+            remedies: crate::explain::remedies::of_failure(problem, failure),
         }
     }
 }
@@ -92,6 +95,7 @@ fn tried(problem: &Problem, failure: &Failure) -> Tried {
     let failures: u64 = failure.stages.iter().map(|stage| stage.failures).sum();
     let answered = if jobs == 1 { "1 job was answered".to_owned() } else { format!("{jobs} jobs were answered") };
     lines.push(format!("{answered}, {failures} with a failure"));
+    lines.extend(failure.reached.map(crate::explain::reached_words));
     Tried { heading, lines }
 }
 

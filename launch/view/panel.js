@@ -130,6 +130,10 @@ class FailurePanel {
     put(tried, "p", "", this.failure.tried.heading);
     const list = put(tried, "ul", "tried");
     for (const line of this.failure.tried.lines) put(list, "li", "", line);
+    if (this.failure.remedies.length) {
+      const advice = put(putSection(element, "What to try"), "ul", "tried");
+      for (const words of this.failure.remedies) put(advice, "li", "", words);
+    }
     putStages(element, data.stages);
     putProvenance(element, data);
     this.putCauses(causes, choose);

@@ -46,6 +46,7 @@ fn failure(causes: Vec<(Cause, u64)>) -> Failure {
         causes,
         certificate: None,
         stages: vec![StageCount { stage: "placement".into(), jobs: 3, failures: 2, work: 10 }],
+        reached: None,
         provenance: provenance(),
     }
 }

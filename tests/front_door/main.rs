@@ -4,6 +4,7 @@
 
 mod init;
 mod packages;
+mod readme;
 mod robot;
 
 use std::path::{Path, PathBuf};

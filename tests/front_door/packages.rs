@@ -26,6 +26,12 @@ fn a_package_is_found_by_the_folder_that_is_named_for_it() {
     assert_eq!(code(&mrtamp(&check, root.path(), &[])), 2, "without the folder the problem cannot be read");
     let checked = mrtamp(&[&check[..], &["--package", "arms=elsewhere/my_arms"]].concat(), root.path(), &[]);
     assert_eq!(code(&checked), 0, "{}", said(&checked));
+    for command in [&["view"][..], &["export", "csv"]] {
+        let shows = [command, &["out/plan.json", "--problem", "scenes/scene.yaml"]].concat();
+        assert_eq!(code(&mrtamp(&shows, root.path(), &[])), 2, "{command:?} without the folder");
+        let shown = mrtamp(&[&shows[..], &["--package", "arms=elsewhere/my_arms"]].concat(), root.path(), &[]);
+        assert_eq!(code(&shown), 0, "{}", said(&shown));
+    }
 }
 
 #[test]

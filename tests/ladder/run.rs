@@ -113,6 +113,7 @@ pub fn verify(problem: &Problem, certificate: &Certificate) -> Result<(), String
         causes: Vec::new(),
         certificate: Some(certificate.clone()),
         stages: Vec::new(),
+        reached: None,
         provenance: Provenance {
             problem_digest: String::new(),
             seed: 0,

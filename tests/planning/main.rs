@@ -4,9 +4,12 @@
 
 mod command_line;
 mod delays;
+mod events;
 mod foreign_placement;
+mod interruption;
 mod options;
 mod processes;
+mod reasons;
 mod scenes;
 
 use std::path::PathBuf;
@@ -16,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 use contract::{CompositeMethod, ProblemStatement};
 use launch::ending::finished_plan;
 use launch::in_process;
-use launch::progress::Progress;
+use launch::progress::{Progress, Show};
 use model::{DiskFiles, Problem, load_problem};
 use plan::Plan;
 use refiner::End;
@@ -33,7 +36,7 @@ fn scene_path(name: &str) -> PathBuf {
 /// Plans by direct calls; the end if there is no plan.
 fn try_plan(problem: &Problem, seed: u64, composite: CompositeMethod) -> Result<Plan, End> {
     let statement = Arc::new(ProblemStatement::new(problem.clone(), seed, composite));
-    let progress = Progress::new(statement.clone(), true);
+    let progress = Progress::new(statement.clone(), Show::Nothing);
     let run = in_process::run(&statement, None, &Arc::new(AtomicBool::new(false)), &progress).unwrap();
     match run.plan {
         Some(product) => Ok(finished_plan(&statement, &run.refinement.ledger, &product).unwrap()),

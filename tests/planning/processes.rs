@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use contract::{CompositeMethod, ProblemStatement};
 use launch::ending::finished_plan;
 use launch::processes::{Members, run};
-use launch::progress::Progress;
+use launch::progress::{Progress, Show};
 use launch::set::launch_file;
 
 use crate::{certified, scene, scene_path};
@@ -61,7 +61,7 @@ fn finish(mut child: Child, folder: &Path) -> (String, Vec<u8>) {
     (said, std::fs::read(folder.join("out/plan.json")).unwrap())
 }
 
-fn kill(pid: u32) {
+pub fn kill(pid: u32) {
     let pid = nix::unistd::Pid::from_raw(i32::try_from(pid).unwrap());
     let _ = nix::sys::signal::kill(pid, nix::sys::signal::Signal::SIGKILL);
 }
@@ -75,7 +75,7 @@ fn by_processes(name: &str, seed: u64, more: &[&str]) -> Vec<u8> {
 /// Plans with threads over channels.
 fn by_channels(name: &str, seed: u64) -> Vec<u8> {
     let statement = Arc::new(ProblemStatement::new(scene(name), seed, CompositeMethod::Prioritised));
-    let progress = Progress::new(statement.clone(), true);
+    let progress = Progress::new(statement.clone(), Show::Nothing);
     let stop = Arc::new(AtomicBool::new(false));
     let launch = launch_file::load(None).unwrap();
     let (end, _) = run(&statement, &launch, Members::Threads, Some(WATCHDOG), &stop, &progress).unwrap();
@@ -111,7 +111,7 @@ fn figure_1_has_equal_bytes_over_every_transport_and_with_one_or_three_roadmap_w
 }
 
 /// Processes whose parent is `parent`: pid, state letter and command line.
-fn children(parent: u32) -> Vec<(u32, char, String)> {
+pub fn children(parent: u32) -> Vec<(u32, char, String)> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir("/proc").unwrap().flatten() {
         let Ok(pid) = entry.file_name().to_string_lossy().parse::<u32>() else { continue };
@@ -186,7 +186,7 @@ fn a_killed_refiner_changes_no_byte() {
 }
 
 /// Shared memory of the run that a supervisor owns: its process number is part of the run's name.
-fn shared_memory_of(supervisor: u32) -> Vec<PathBuf> {
+pub fn shared_memory_of(supervisor: u32) -> Vec<PathBuf> {
     let entries = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
     let run = format!("mrtamp-{supervisor:x}-");
     entries.map(|entry| entry.path()).filter(|path| path.to_string_lossy().contains(&run)).collect()

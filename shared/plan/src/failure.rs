@@ -21,6 +21,9 @@ pub struct Failure {
     pub certificate: Option<Certificate>,
     /// Work of each stage.
     pub stages: Vec<StageCount>,
+    /// How far the search came; absent if it did not begin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reached: Option<Reached>,
     /// What it was made from.
     pub provenance: Provenance,
 }
@@ -35,6 +38,18 @@ pub enum ResultKind {
     SamplesExhausted,
     /// A limit on time or work ended the run.
     LimitReached,
+}
+
+/// How far a search came before it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Reached {
+    /// Sample level at which it ended.
+    pub level: u32,
+    /// Placement candidates taken up at that level, the last one included.
+    pub candidates: u32,
+    /// Modes committed under the last candidate when it ended.
+    pub committed: u32,
 }
 
 /// Work of one stage.

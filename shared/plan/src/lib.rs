@@ -16,7 +16,7 @@ pub use certificate::{
     RefutedGrasp, Stay,
 };
 pub use dependency::{Dependency, KnotRef};
-pub use failure::{BodyRef, Cause, Failure, ResultKind, StageCount};
+pub use failure::{BodyRef, Cause, Failure, Reached, ResultKind, StageCount};
 pub use file::{FAILURE_FORMAT, PLAN_FORMAT, PlanFileError, read_failure, read_plan, write_failure, write_plan};
 pub use ordering::{Origin, PairPoint, PlanOrdering};
 pub use provenance::{LowerBound, Makespan, Provenance};

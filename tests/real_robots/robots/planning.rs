@@ -7,7 +7,7 @@ use std::time::Instant;
 use contract::{CompositeMethod, ProblemStatement, RandomStream, StageKind};
 use launch::ending::finished_plan;
 use launch::in_process;
-use launch::progress::Progress;
+use launch::progress::{Progress, Show};
 use model::{DiskFiles, Problem, load_problem};
 use nalgebra::Translation3;
 use plan::{EventKind, Plan};
@@ -23,7 +23,7 @@ fn scene() -> Problem {
 fn certified(problem: &Problem, seed: u64) -> Plan {
     let started = Instant::now();
     let statement = Arc::new(ProblemStatement::new(problem.clone(), seed, CompositeMethod::Prioritised));
-    let progress = Progress::new(statement.clone(), true);
+    let progress = Progress::new(statement.clone(), Show::Nothing);
     let run = in_process::run(&statement, None, &Arc::new(AtomicBool::new(false)), &progress).unwrap();
     let Some(product) = run.plan else { panic!("seed {seed} has no plan: {:?}", run.refinement.end) };
     let plan = finished_plan(&statement, &run.refinement.ledger, &product).unwrap();

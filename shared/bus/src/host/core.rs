@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use contract::{Digest, JobId, LedgerEntry, ProblemStatement, StageKind};
+use contract::{Digest, JobId, LedgerEntry, Outcome, ProblemStatement, StageKind};
 use model::RobotId;
 
 use super::Store;
@@ -43,10 +43,8 @@ pub enum Note {
         stage: StageKind,
         /// Job.
         job: JobId,
-        /// Whether with a failure.
-        failed: bool,
-        /// Work units spent.
-        work: u64,
+        /// What was answered.
+        outcome: Box<Outcome>,
         /// From the worker's beginning to its answer, as seen from here.
         took: Duration,
     },
@@ -175,12 +173,11 @@ impl HostCore {
 
     fn keep(&mut self, topic: Topic, job: Option<JobId>, message: Message, took: Duration) {
         let (Topic::Outcome(stage), Some(job), Message::Outcome(outcome)) = (topic, job, message) else { return };
-        let (failed, work) = (outcome.result.is_err(), outcome.work);
         let known = self.store.outcome_count();
-        if !self.store.keep_outcome(job, *outcome) {
+        if !self.store.keep_outcome(job, &outcome) {
             self.fault.get_or_insert(HostFault::Nondeterministic { stage, job });
         } else if self.store.outcome_count() > known {
-            self.notes.push(Note::Answered { stage, job, failed, work, took });
+            self.notes.push(Note::Answered { stage, job, outcome, took });
         }
     }
 

@@ -19,8 +19,8 @@ pub struct Store {
 
 impl Store {
     /// Keeps the first outcome of a job. `false`: a different one is kept already.
-    pub(crate) fn keep_outcome(&mut self, job: JobId, outcome: Outcome) -> bool {
-        *self.outcomes.entry(job).or_insert_with(|| outcome.clone()) == outcome
+    pub(crate) fn keep_outcome(&mut self, job: JobId, outcome: &Outcome) -> bool {
+        self.outcomes.entry(job).or_insert_with(|| outcome.clone()) == outcome
     }
 
     pub(crate) fn keep_product(&mut self, bytes: Arc<[u8]>) {

@@ -16,6 +16,7 @@ pub fn failure(problem: &Problem, certificate: Option<Certificate>) -> Failure {
         causes: Vec::new(),
         certificate,
         stages: Vec::new(),
+        reached: None,
         provenance: Provenance {
             problem_digest: String::new(),
             seed: 0,

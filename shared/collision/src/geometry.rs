@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use model::{FixedId, ObjectId, Pose, Problem, RobotId};
+use model::{FixedId, LinkId, ObjectId, Pose, Problem, RobotId};
 use nalgebra::Point3;
 
 use crate::continuous::Passage;
@@ -41,6 +41,8 @@ pub struct Geometry {
     robots: Vec<RobotShape>,
     objects: Vec<ObjectShape>,
     fixed: Vec<Obstacle>,
+    /// For each robot the fixed objects, then those bodies of the others that never move.
+    around: Vec<Vec<Obstacle>>,
 }
 
 impl Geometry {
@@ -71,7 +73,8 @@ impl Geometry {
                 fixed.push(Obstacle::new(BodyName::Fixed(FixedId::at(i)), &Arc::new(solid), &world_from_solid));
             }
         }
-        Ok(Self { problem: Arc::new(problem.clone()), robots, objects, fixed })
+        let around = problem.robot_ids().map(|id| around(problem, &robots, &fixed, id)).collect();
+        Ok(Self { problem: Arc::new(problem.clone()), robots, objects, fixed, around })
     }
 
     /// The problem it was built from.
@@ -80,7 +83,8 @@ impl Geometry {
         &self.problem
     }
 
-    /// Robot and load against the robot itself and the fixed objects at one configuration, the clearance kept.
+    /// Robot and load against the robot itself and the fixed objects at one configuration, the clearance kept. What never
+    /// moves of other robots counts as fixed: what bears the arm of a fixed one, and all of a robot without pairs.
     ///
     /// Links of the end effector may touch the load; so may nothing else. A configuration that is none (wrong length,
     /// not finite) or a grasp that is none is answered with the robot touching itself, here and in every question about
@@ -204,7 +208,7 @@ impl Geometry {
     ) -> Option<Contact> {
         let mover = self.mover(robot, holding);
         let supports = self.supports_of_load(&mover, from, to, allowed.support);
-        let obstacles = &self.fixed;
+        let obstacles = &self.around[robot.index()];
         let clearance = self.clearance();
         Passage { mover, from, to, clearance, obstacles, own: true, touch: None, supports: &supports }.contact()
     }
@@ -254,4 +258,21 @@ impl Geometry {
         let of_support = self.fixed.iter().enumerate().filter(|(_, body)| body.name == BodyName::Fixed(support));
         of_support.filter(|(_, body)| carries(body)).map(|(k, _)| k).collect()
     }
+}
+
+/// The fixed objects, then those bodies of the robots but `but` that never move.
+fn around(problem: &Problem, shapes: &[RobotShape], fixed: &[Obstacle], but: RobotId) -> Vec<Obstacle> {
+    let mut around = fixed.to_vec();
+    for id in problem.robot_ids().filter(|id| *id != but) {
+        let (robot, shape) = (problem.robot(id), &shapes[id.index()]);
+        let is_idle = problem.pairs_of_robot(id).next().is_none();
+        let poses = kinematics::link_poses(robot, &robot.start, robot.end_effector.max_opening);
+        let never_moves =
+            |link: LinkId| robot.base.is_none() && shape.chains[link.index()].is_empty() && !robot.is_touch_link(link);
+        for body in shape.bodies.iter().filter(|body| is_idle || never_moves(body.link)) {
+            let world_from_solid = poses[body.link.index()] * body.link_from_solid;
+            around.push(Obstacle::new(BodyName::Link { robot: id, link: body.link }, &body.solid, &world_from_solid));
+        }
+    }
+    around
 }

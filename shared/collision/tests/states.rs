@@ -4,7 +4,7 @@ mod common;
 
 use collision::{AllowedContacts, BodyName, Contact, Geometry, Holding, Standing};
 use common::*;
-use model::{FixedId, GraspId, LinkId, ObjectId, Pose, RobotId, Shape};
+use model::{FixedId, GraspId, LinkId, ObjectId, Pose, Problem, RobotId, Shape};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 const R1: RobotId = RobotId(0);
@@ -203,4 +203,40 @@ fn degenerate_shapes_are_refused_by_name() {
     bad.robots[1].links[2].bodies[0].shape = Shape::Hull { points: vec![] };
     let message = Geometry::new(&bad).unwrap_err().to_string();
     assert!(message.contains("`upper`") && message.contains("`r2`"), "{message}");
+}
+
+/// Two boxes on wheels and a lift; the lift's post has a body, too.
+fn company() -> Problem {
+    let mut lift = lift();
+    for link in &mut lift.links {
+        link.bodies = vec![boxed(at(0.0, 0.0, 0.15), [0.2, 0.2, 0.3])];
+    }
+    lift.world_from_base = at(3.0, 0.0, 0.0);
+    let mut idler = box_base("idler");
+    idler.start = vec![-3.0, 0.0, 0.0];
+    let mut problem = problem(vec![box_base("mover"), lift, idler], vec![], vec![]);
+    problem.pairs.truncate(2);
+    problem
+}
+
+#[test]
+fn a_robot_without_pairs_and_the_post_of_an_arm_are_in_the_way_like_fixed_objects() {
+    let problem = company();
+    let geometry = Geometry::new(&problem).unwrap();
+    let touched = |x: f64| geometry.state_contact(R1, None, &[x, 0.0, 0.0], NOTHING).map(|contact| contact.second);
+    assert_eq!(touched(0.0), None);
+    // The mover is 0.6 m long, the post 0.2 m.
+    assert_eq!(touched(2.595), None);
+    assert_eq!(touched(2.605), Some(BodyName::Link { robot: RobotId(1), link: LinkId(0) }));
+    assert_eq!(touched(-2.395), None);
+    assert_eq!(touched(-2.405), Some(BodyName::Link { robot: RobotId(2), link: LinkId(0) }));
+    // Nobody is in his own way, and what moves is in nobody's.
+    assert_eq!(geometry.state_contact(RobotId(2), None, &[-3.0, 0.0, 0.0], NOTHING), None);
+    let mut busy = problem;
+    busy.pairs.push(pair_of(2));
+    busy.robots[1].links[0].bodies.clear();
+    let geometry = Geometry::new(&busy).unwrap();
+    for x in [3.0, -3.0] {
+        assert_eq!(geometry.state_contact(R1, None, &[x, 0.0, 0.0], NOTHING), None, "{x}");
+    }
 }

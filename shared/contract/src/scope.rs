@@ -9,7 +9,7 @@ use crate::{Digest, Request, encode_canonical};
 pub(crate) enum Scope {
     /// Objects, regions and pairs.
     Placement,
-    /// One robot, and the object that it handles.
+    /// One robot, what never moves of the others, and the object that it handles.
     Robot(RobotId, Option<ObjectId>),
     /// Everything.
     Whole,
@@ -68,10 +68,14 @@ fn placement(problem: &Problem) -> Digest {
 
 fn one_robot(problem: &Problem, robot: RobotId, object: Option<ObjectId>) -> Digest {
     let object = object.map(|object| &problem.movable[object.index()]);
+    let is_idle = |id: &RobotId| problem.pairs_of_robot(*id).next().is_none();
+    let others = problem.robot_ids().filter(|id| *id != robot);
+    let steady: Vec<_> =
+        others.map(|id| (id, problem.robot(id))).filter(|(id, r)| is_idle(id) || r.base.is_none()).collect();
     Digest::of(
         "mrtamp scope robot",
         &[
-            &encode_canonical(problem.robot(robot)),
+            &encode_canonical(&(problem.robot(robot), steady)),
             &encode_canonical(&(&problem.fixed, &problem.regions, object)),
             &encode_canonical(&(&problem.pairs, &problem.settings, &problem.levels)),
         ],

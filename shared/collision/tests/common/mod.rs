@@ -10,8 +10,8 @@ pub use robots::{box_base, lift, mobile_arm, planar_2r, two_bars};
 
 use collision::{AllowedContacts, Geometry, Holding, Motion};
 use model::{
-    Body, EndPolicy, FixedObject, Grasp, GraspFamily, GraspId, Levels, MovableObject, ObjectId, Pose, Problem, Robot,
-    RobotId, SearchSettings, Settings, Shape,
+    Body, EndPolicy, FixedObject, Grasp, GraspFamily, GraspId, Levels, MovableObject, ObjectId, Pair, Pose, Problem,
+    RegionId, Robot, RobotId, SearchSettings, Settings, Shape,
 };
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
@@ -81,20 +81,34 @@ pub fn movable(name: &str, shape: Shape, robots: usize, link_from_object: Pose) 
     }
 }
 
+/// Every robot has something to do: one that has not is in the way of the others.
 pub fn problem(robots: Vec<Robot>, fixed: Vec<FixedObject>, movable: Vec<MovableObject>) -> Problem {
     let end_policies = vec![EndPolicy::default(); robots.len()];
+    let pairs = (0..robots.len()).map(pair_of).collect();
     Problem {
         name: "test".into(),
         robots,
         fixed,
         movable,
         regions: vec![],
-        pairs: vec![],
+        pairs,
         orderings: vec![],
         end_policies,
         settings: Settings { clearance: CLEARANCE, ..Settings::default() },
         levels: Levels::default(),
         search: SearchSettings::default(),
+    }
+}
+
+/// A robot's only pair.
+pub fn pair_of(robot: usize) -> Pair {
+    Pair {
+        name: format!("r{robot}.1"),
+        robot: RobotId::at(robot),
+        object: ObjectId(0),
+        from: RegionId(0),
+        to: RegionId(0),
+        hop: 1,
     }
 }
 

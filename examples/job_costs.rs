@@ -1,6 +1,7 @@
 //! Plans problems by direct calls and prints what each kind of job cost, and what a new pose of one object costs the
 //! roadmap stage:
-//! `cargo run --release --example job_costs -- [SCENE | small:SEED | large:SEED]...` (figure1).
+//! `cargo run --release --example job_costs -- [-v] [SCENE | small:SEED | large:SEED]...` (figure1). `-v` tells every
+//! composite job.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used, reason = "a tool for developers")]
 
@@ -14,7 +15,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use contract::{
-    AskFault, AskStages, CompositeMethod, Composition, DirectCalls, Foresight, Job, JobId, Outcome, PieceSpec,
+    Answer, AskFault, AskStages, CompositeMethod, Composition, DirectCalls, Foresight, Job, JobId, Outcome, PieceSpec,
     ProblemStatement, Request, StageKind,
 };
 use generator::Size;
@@ -37,6 +38,8 @@ struct Cost {
 
 struct Measured {
     calls: DirectCalls,
+    /// Whether every composite job is told.
+    tells: bool,
     costs: BTreeMap<&'static str, Cost>,
     work: u64,
     /// Every piece, and the last roadmap asked for each mode.
@@ -70,6 +73,9 @@ impl Measured {
         }
         let began = Instant::now();
         let outcome = self.calls.ask(std::slice::from_ref(job))?.pop().ok_or(AskFault::Cancelled)?;
+        if self.tells {
+            tell(job, &outcome);
+        }
         let cost = self.costs.entry(kind(job)).or_default();
         cost.asked += 1;
         cost.failed += u64::from(outcome.result.is_err());
@@ -79,6 +85,22 @@ impl Measured {
             self.work += outcome.work;
         }
         Ok(outcome)
+    }
+}
+
+fn tell(job: &Job, outcome: &Outcome) {
+    let Request::Compose(compose) = &job.request else { return };
+    let what = match &compose.composition {
+        Composition::CommitMode { mode, clear_of, .. } => {
+            format!("robot {} mode {}, clear of {} ways", mode.robot.0, mode.step, clear_of.len())
+        }
+        Composition::Drrt { prefix, .. } => format!("dRRT* from {}", if prefix.is_some() { "half way" } else { "0 s" }),
+        Composition::Assemble { .. } => "assembled".to_owned(),
+    };
+    match &outcome.result {
+        Ok(Answer::Committed { event_s, tail_s, .. }) => println!("  {what}: {event_s:.2} s, tail {tail_s:.2} s"),
+        Ok(_) => println!("  {what}"),
+        Err(report) => println!("  {what} FAILED: {:?}", report.causes),
     }
 }
 
@@ -107,12 +129,13 @@ fn problem(name: &str) -> Problem {
     }
 }
 
-fn measure(name: &str) {
+fn measure(name: &str, tells: bool) {
     let seed = name.split_once(':').map_or(0, |(_, seed)| seed.parse().expect("a seed"));
     let statement = Arc::new(ProblemStatement::new(problem(name), seed, CompositeMethod::Prioritised));
     let stages = own_stages(&statement, &BusyTimes::default()).expect("usable geometry");
     let calls = DirectCalls::new(statement.clone(), stages, Arc::new(AtomicBool::new(false)));
-    let mut measured = Measured { calls, costs: BTreeMap::new(), work: 0, pieces: Vec::new(), modes: BTreeMap::new() };
+    let mut measured =
+        Measured { calls, tells, costs: BTreeMap::new(), work: 0, pieces: Vec::new(), modes: BTreeMap::new() };
     let began = Instant::now();
     let refinement = refine_plan(&statement, &mut measured, &mut |_| ());
     let end = match &refinement.end {
@@ -173,8 +196,10 @@ fn moved(job: &Job) -> Job {
 
 fn main() {
     let names: Vec<String> = std::env::args().skip(1).collect();
+    let tells = names.first().is_some_and(|name| name == "-v");
+    let names = &names[usize::from(tells)..];
     if names.is_empty() {
-        measure("figure1");
+        measure("figure1", tells);
     }
-    names.iter().for_each(|name| measure(name));
+    names.iter().for_each(|name| measure(name, tells));
 }

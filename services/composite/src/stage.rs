@@ -29,9 +29,9 @@ impl Stage for CompositeStage {
         self.scene.conflicts.forget_if_large();
         let (scene, assignment) = (&self.scene, &compose.assignment);
         match &compose.composition {
-            Composition::CommitMode { prefix, mode, roadmap, next_roadmap } => {
+            Composition::CommitMode { prefix, mode, roadmap, next_roadmap, clear_of } => {
                 let (prefix, mode, roadmap, next_roadmap) = (*prefix, *mode, *roadmap, *next_roadmap);
-                CommitJob { scene, assignment, prefix, mode, roadmap, next_roadmap }.answer(context)
+                CommitJob { scene, assignment, prefix, mode, roadmap, next_roadmap, clear_of }.answer(context)
             }
             Composition::Drrt { prefix, roadmaps } => drrt::refine(scene, assignment, *prefix, roadmaps, context),
             Composition::Assemble { prefix, shortest_s } => {

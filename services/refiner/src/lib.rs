@@ -8,6 +8,7 @@ mod asking;
 mod budgets;
 mod candidate;
 mod choice;
+mod commit;
 mod compose;
 mod conflict;
 mod more;

@@ -173,6 +173,8 @@ pub enum Composition {
         roadmap: ProductRef,
         /// The roadmap of the robot's mode after it, for the tail; absent after a closing return.
         next_roadmap: Option<ProductRef>,
+        /// Roadmaps of other robots' modes on whose way the robot should not park: they have been stuck because of it.
+        clear_of: Vec<ProductRef>,
     },
     /// The paper's multi-modal dRRT* for everything after `prefix`.
     Drrt {
@@ -233,8 +235,9 @@ impl Job {
         match &self.request {
             Request::Mode(job) => [job.base, job.start_arm, job.goal_arm].into_iter().flatten().collect(),
             Request::Compose(job) => match &job.composition {
-                Composition::CommitMode { prefix, roadmap, next_roadmap, .. } => {
-                    [*prefix, Some(*roadmap), *next_roadmap].into_iter().flatten().collect()
+                Composition::CommitMode { prefix, roadmap, next_roadmap, clear_of, .. } => {
+                    let own = [*prefix, Some(*roadmap), *next_roadmap].into_iter().flatten();
+                    own.chain(clear_of.iter().copied()).collect()
                 }
                 Composition::Drrt { prefix, roadmaps } => {
                     prefix.iter().chain(roadmaps.iter().flatten()).copied().collect()

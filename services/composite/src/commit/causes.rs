@@ -19,19 +19,29 @@ impl CommitJob<'_> {
         Cause::Deadlock { robots: robots.into_iter().map(|robot| problem.robot(robot).name.clone()).collect() }
     }
 
-    /// Robots in the way are a deadlock; objects (or nobody at all) leave no path.
+    /// Robots in the way are a deadlock; objects, robots that never move, or nobody at all leave no path.
     pub(super) fn causes(&self, mode: &Mode, in_the_way: &[Blocker]) -> Vec<Cause> {
         let problem = self.scene.problem();
-        let robots: Vec<_> = in_the_way.iter().filter_map(Blocker::robot).collect();
+        let is_idle = |robot: &RobotId| self.scene.skeleton.modes[robot.index()].is_empty();
+        let (mut idle, robots): (Vec<_>, Vec<_>) = in_the_way.iter().filter_map(Blocker::robot).partition(is_idle);
+        idle.sort_unstable();
+        idle.dedup();
         let mut objects: Vec<_> = in_the_way.iter().filter_map(Blocker::object).collect();
         objects.sort_unstable();
         objects.dedup();
         let mut causes = Vec::new();
-        if !objects.is_empty() || robots.is_empty() {
+        let name = |robot: &RobotId| problem.robot(*robot);
+        let links = idle.iter().map(name).filter_map(|robot| {
+            let link = robot.links.iter().find(|link| !link.bodies.is_empty())?;
+            Some(BodyRef::Link { robot: robot.name.clone(), link: link.name.clone() })
+        });
+        let objects = objects.iter().map(|m| BodyRef::Object(problem.movable[m.index()].name.clone()));
+        let blocking: Vec<BodyRef> = objects.chain(links).collect();
+        if !blocking.is_empty() || robots.is_empty() {
             causes.push(Cause::NoPath {
                 pair: mode.pair.map(|pair| problem.pair(pair).name.clone()),
                 robot: problem.robot(mode.id.robot).name.clone(),
-                blocking: objects.iter().map(|m| BodyRef::Object(problem.movable[m.index()].name.clone())).collect(),
+                blocking,
             });
         }
         if !robots.is_empty() {

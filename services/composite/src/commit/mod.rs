@@ -4,6 +4,7 @@ mod causes;
 mod gates;
 mod moves;
 mod tail;
+mod way;
 
 use contract::{
     Answer, Assignment, CauseTally, Commitment, EdgeKind, Interrupted, JobContext, Outcome, Prefix, Product,
@@ -34,6 +35,8 @@ pub(crate) struct CommitJob<'a> {
     pub mode: ModeId,
     pub roadmap: ProductRef,
     pub next_roadmap: Option<ProductRef>,
+    /// Roadmaps of modes that the tail should not end in the way of.
+    pub clear_of: &'a [ProductRef],
 }
 
 /// Where a search begins.
@@ -194,6 +197,7 @@ impl CommitJob<'_> {
         let bound_s = graph.times_to(goal);
         let Start { vertex, since_s, mover: before } = start;
         let mut search = Search::new(graph, traffic, conflicts, gates, bound_s, (vertex, since_s, before.time_s));
+        let leave_free = self.ways_to_leave_free(timeline, context)?;
         let mut in_the_way = Vec::new();
         while let Some(index) = search.next() {
             self.spend(context)?;
@@ -221,13 +225,16 @@ impl CommitJob<'_> {
                 continue;
             };
             let after = self.traffic_after(mode, timeline, mover.time_s)?;
-            if let Some(tail) = self.tail(next, &after, &mover.at, mover.time_s, context)? {
+            if let Some(tail) = self.tail(next, &after, &leave_free, &mover.at, mover.time_s, context)? {
                 let (holding, tail_holding, event_s) = (graph.roadmap.holding, next.roadmap.holding, mover.time_s);
                 return Ok(Commitment { mode: mode.id, holding, moves: mover.moves, event_s, tail, tail_holding });
             }
             in_the_way.extend(after.blamed());
         }
         in_the_way.extend(traffic.blamed());
+        if let Some(for_ever) = self.for_ever_in_the_way(graph, next, traffic) {
+            in_the_way = for_ever;
+        }
         Err(Unreached::Because(self.causes(mode, &in_the_way)))
     }
 

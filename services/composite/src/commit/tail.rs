@@ -3,17 +3,20 @@
 use contract::{EdgeKind, JobContext, Move, VertexId};
 use model::Configuration;
 
+use crate::Travel;
 use crate::sipp::{Gates, ModeGraph, Search, Traffic};
 
 use super::moves::Mover;
 use super::{CommitJob, Start, Unreached, begin_at};
 
 impl CommitJob<'_> {
-    /// From the event to a place to stand for ever: the best parking vertex that can be reached, else any vertex.
+    /// From the event to a place to stand for ever: the best parking vertex that can be reached, else any vertex; rather
+    /// one that is in the way of none of the motions to be left free.
     pub(super) fn tail(
         &self,
         graph: &ModeGraph<'_>,
         traffic: &Traffic<'_>,
+        leave_free: &[Travel],
         at: &Configuration,
         event_s: f64,
         context: &mut JobContext<'_>,
@@ -26,20 +29,25 @@ impl CommitJob<'_> {
         let conflicts = &self.scene.conflicts;
         let mut search = Search::new(graph, traffic, conflicts, Gates::OPEN, bound_s, (start, event_s, mover.time_s));
         let rank = |vertex: VertexId| graph.roadmap.parking.iter().position(|parking| *parking == vertex);
-        let mut found: Option<(usize, u64, usize)> = None;
+        let obstructs = |vertex: VertexId| {
+            let stand = graph.stand(vertex, conflicts);
+            leave_free.iter().any(|travel| (0..travel.cells).any(|i| conflicts.cells_conflict(travel, i, &stand, 0)))
+        };
+        let mut found: Option<(bool, usize, u64, usize)> = None;
         while let Some(index) = search.next() {
             self.spend(context)?;
             let state = search.state(index);
             if search.interval(&state).until_s < f64::INFINITY {
                 continue;
             }
-            let here = (rank(state.vertex).unwrap_or(usize::MAX), state.time_s.to_bits(), index);
+            let rank = rank(state.vertex).unwrap_or(usize::MAX);
+            let here = (obstructs(state.vertex), rank, state.time_s.to_bits(), index);
             found = Some(found.map_or(here, |so_far| so_far.min(here)));
-            if here.0 == 0 {
+            if (here.0, here.1) == (false, 0) {
                 break;
             }
         }
-        let Some((_, _, index)) = found else { return Ok(None) };
+        let Some((_, _, _, index)) = found else { return Ok(None) };
         mover.follow(graph, &search.path(index));
         let vertex = search.state(index).vertex;
         mover.rest(EdgeKind::Arm, graph.allowed_at(vertex));

@@ -1,7 +1,7 @@
 //! Who else is where when, as one moving robot sees it.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use model::{ObjectId, RobotId, Standing};
 
@@ -81,6 +81,22 @@ impl<'a> Traffic<'a> {
     /// The object is put somewhere.
     pub fn put(&mut self, standing: Standing, time_s: f64) {
         self.standings.push(TimedStanding { standing, from_s: time_s, until_s: f64::INFINITY });
+    }
+
+    /// Who may stand in the way of a motion for ever: every other robot where it comes to its last standing, and every
+    /// object where nobody is committed to take it.
+    pub fn for_ever(&self, travel: &Travel) -> BTreeSet<Blocker> {
+        let rests = self.others.iter().filter_map(|moves| moves.last());
+        let hit = |rest: &&TimedMove| {
+            (0..travel.cells).any(|cell| self.conflicts.cells_conflict(travel, cell, &rest.travel, 0))
+        };
+        let robots = rests.filter(hit).map(|rest| Blocker::Robot(rest.travel.robot));
+        let stands = |standing: &&TimedStanding| {
+            standing.until_s == f64::INFINITY
+                && (0..travel.cells).any(|cell| self.conflicts.cell_hits(travel, cell, &standing.standing))
+        };
+        let objects = self.standings.iter().filter(stands).map(|standing| Blocker::Object(standing.standing.object));
+        robots.chain(objects).collect()
     }
 
     /// Those in the way, most often first; only those for ever if there are any.

@@ -45,8 +45,13 @@ fn a_product_that_cannot_be_had_is_named() {
     let lost = ProductRef { digest: Digest([7; 32]), made_by: JobId(Digest([8; 32])) };
     let job = toy.commit_job(Some(lost), mode(0, 0), |_| ());
     assert_eq!(toy.ask(&job).unwrap_err(), Interrupted::Lacking(lost));
-    let composition =
-        Composition::CommitMode { prefix: None, mode: mode(0, 0), roadmap: lost, next_roadmap: Some(lost) };
+    let composition = Composition::CommitMode {
+        prefix: None,
+        mode: mode(0, 0),
+        roadmap: lost,
+        next_roadmap: Some(lost),
+        clear_of: vec![],
+    };
     assert_eq!(toy.ask(&toy.job(composition)).unwrap_err(), Interrupted::Lacking(lost));
 }
 
@@ -64,7 +69,13 @@ fn jobs_and_products_that_do_not_fit_are_refused() {
     unfit(toy.ask(&toy.commit_job(None, mode(0, 0), |roadmap| roadmap.start = roadmap.goal)), "starts elsewhere");
     unfit(toy.ask(&toy.commit_job(None, mode(0, 0), |roadmap| roadmap.mode = mode(1, 0))), "another mode's roadmap");
     let not_next = toy.put(&Product::Mode(toy.roadmap(mode(0, 0))));
-    let composition = Composition::CommitMode { prefix: None, mode: mode(0, 0), roadmap: not_next, next_roadmap: None };
+    let composition = Composition::CommitMode {
+        prefix: None,
+        mode: mode(0, 0),
+        roadmap: not_next,
+        next_roadmap: None,
+        clear_of: vec![],
+    };
     unfit(toy.ask(&toy.job(composition)), "no next roadmap");
     unfit(toy.ask(&toy.job(Composition::Assemble { prefix, shortest_s: vec![] })), "not complete");
     let placement = PlacementJob { level: 0, first: 0, count: 1, nogoods: vec![] };

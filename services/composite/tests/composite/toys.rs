@@ -317,6 +317,7 @@ impl Toy {
             mode,
             roadmap: roadmap(mode),
             next_roadmap: has_next.then(|| roadmap(next)),
+            clear_of: vec![],
         })
     }
 

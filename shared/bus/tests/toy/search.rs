@@ -100,7 +100,7 @@ impl Search<'_> {
     fn compose(&mut self, roadmaps: Vec<(ModeId, ProductRef)>) -> Result<Option<ProductRef>, AskFault> {
         let mut prefix = None;
         for (mode, roadmap) in roadmaps {
-            let job = composed(Composition::CommitMode { prefix, mode, roadmap, next_roadmap: None });
+            let job = composed(Composition::CommitMode { prefix, mode, roadmap, next_roadmap: None, clear_of: vec![] });
             match self.ask_one(&job)?.result {
                 Ok(Answer::Committed { prefix: longer, .. }) => prefix = Some(longer),
                 _ => return self.back(StageKind::Roadmap, Decision::Commit(mode), &job),

@@ -1,0 +1,233 @@
+//! Mode by mode commitment. Where it comes to a dead end, those who are in the way of a stuck mode learn to give way to
+//! it, what they have done since is ripped up, and the modes are committed anew.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use contract::{Answer, Composition, Decision, Job, LedgerEntry, ProductRef, StageKind};
+use model::{FailurePolicy, PairId, RobotId};
+use plan::{BodyRef, Cause};
+use skeleton::{Event, Mode, ModeId, ModeKind};
+
+use crate::asking::misfit;
+use crate::candidate::{Candidate, Modes};
+use crate::conflict::{Choice, Conflict, Halt};
+use crate::search::Search;
+
+/// How often modes are committed anew before the composite search takes over.
+const ROUNDS: usize = 8;
+
+/// How far mode by mode commitment came.
+pub(crate) enum Committed {
+    /// All modes.
+    All(ProductRef),
+    /// The prefixes of the round that came furthest, shortest first, and what the dead ends depend on.
+    Part(Vec<ProductRef>, BTreeSet<Choice>),
+    /// Robots that never move leave no way to one mode.
+    Never(Conflict),
+}
+
+/// Which robots give way to a mode until it is committed: they park clear of it, and return home after it only. If that
+/// is not enough, they wait for it with everything.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct GiveWay(BTreeMap<ModeId, BTreeMap<RobotId, Extent>>);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Extent {
+    Parks,
+    Waits,
+}
+
+/// Whether robots that never move leave no way.
+fn is_for_ever(causes: &[(Cause, u64)]) -> bool {
+    let stands = |body: &BodyRef| matches!(body, BodyRef::Link { .. });
+    let all = |cause: &Cause| {
+        let Cause::NoPath { blocking, .. } = cause else { return false };
+        !blocking.is_empty() && blocking.iter().all(stands)
+    };
+    !causes.is_empty() && causes.iter().all(|(cause, _)| all(cause))
+}
+
+/// A mode that was ready and could not be committed.
+struct Stranded {
+    mode: ModeId,
+    /// Robots in its way.
+    by: Vec<RobotId>,
+    conflict: Conflict,
+    /// Whether nobody in its way will ever move.
+    for_ever: bool,
+}
+
+/// One round of commitments.
+#[derive(Default)]
+struct Round {
+    /// Each robot's next mode.
+    next: Vec<usize>,
+    prefixes: Vec<ProductRef>,
+    /// At its dead end; empty if there is none.
+    stranded: Vec<Stranded>,
+}
+
+impl Candidate<'_> {
+    /// Commits modes, in rounds: at a dead end there is another, if somebody can give way who has not.
+    pub(crate) fn commit_modes(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Committed, Halt> {
+        let mut give_way = GiveWay::default();
+        let mut furthest: Vec<ProductRef> = Vec::new();
+        let mut conflict = Conflict::default();
+        for _ in 0..ROUNDS {
+            let round = self.round(search, modes, &give_way)?;
+            if let (true, Some(all)) = (self.is_complete(&round), round.prefixes.last()) {
+                return Ok(Committed::All(*all));
+            }
+            if round.prefixes.len() > furthest.len() {
+                furthest = round.prefixes;
+            }
+            let mut learnt = false;
+            for Stranded { mode, by, conflict: because, for_ever } in round.stranded {
+                // Who has to stop at a failure hears it from the composite search.
+                if for_ever && search.policy(StageKind::Composite) != FailurePolicy::Stop {
+                    return Ok(Committed::Never(self.alone(mode, because)));
+                }
+                learnt |= give_way.learn(mode, &by);
+                let first = because.first_cause();
+                search.backtrack(StageKind::Composite, Decision::Commit(mode), first);
+                conflict.merge(because);
+            }
+            if !learnt {
+                break;
+            }
+        }
+        Ok(Committed::Part(furthest, conflict.choices))
+    }
+
+    fn is_complete(&self, round: &Round) -> bool {
+        self.skeleton.modes.iter().zip(&round.next).all(|(modes, next)| *next == modes.len())
+    }
+
+    /// Commits the mode whose event comes earliest, again and again, until all are committed or none can be. A mode that
+    /// others give way to comes first.
+    fn round(&self, search: &mut Search<'_>, modes: &Modes, give_way: &GiveWay) -> Result<Round, Halt> {
+        let mut round = Round { next: vec![0; modes.len()], ..Round::default() };
+        while !self.is_complete(&round) {
+            let ready = self.ready_modes(&round.next, give_way);
+            let job = |mode: &Mode| self.commit_job(modes, &round, give_way, mode.id);
+            let jobs: Vec<Job> = ready.iter().map(job).collect();
+            let mut best: Option<((bool, f64), ModeId, ProductRef)> = None;
+            for ((mode, job), outcome) in ready.iter().zip(&jobs).zip(search.ask(&jobs)?) {
+                match outcome.result {
+                    Ok(Answer::Committed { prefix, event_s, .. }) => {
+                        let rank = (!give_way.0.contains_key(&mode.id), event_s);
+                        if best.is_none_or(|(least, ..)| rank < least) {
+                            best = Some((rank, mode.id, prefix));
+                        }
+                    }
+                    Ok(_) => return Err(misfit(StageKind::Composite).into()),
+                    Err(report) => {
+                        let by = self.robots_at_fault(&report.causes, mode.id.robot);
+                        let pairs = by.iter().filter_map(|robot| self.pair_at(*robot, &round.next));
+                        let pairs = pairs.chain(self.pair_at(mode.id.robot, &round.next)).map(Choice::Alternative);
+                        let conflict = Conflict::of(pairs, &report.causes, Some(search.id(job)));
+                        let for_ever = is_for_ever(&report.causes);
+                        round.stranded.push(Stranded { mode: mode.id, by, conflict, for_ever });
+                    }
+                }
+            }
+            let Some((_, mode, prefix)) = best.filter(|_| !round.stranded.iter().any(|one| one.for_ever)) else {
+                return Ok(round);
+            };
+            search.commit(LedgerEntry::Decided(Decision::Commit(mode)));
+            round.next[mode.robot.index()] += 1;
+            round.prefixes.push(prefix);
+            round.stranded.clear();
+        }
+        Ok(round)
+    }
+
+    /// The conflict of a mode that no other robot's choices can help: the pairs at its ends, and what stands about.
+    fn alone(&self, mode: ModeId, mut conflict: Conflict) -> Conflict {
+        let mode = self.skeleton.mode(mode);
+        let pairs = mode.pair.into_iter().chain(mode.begins.map(|event| event.pair)).map(Choice::Alternative);
+        conflict.choices = pairs.chain(self.skeleton.occupancies().map(Choice::Pose)).collect();
+        conflict
+    }
+
+    /// Robots but `own` that the causes name and that have something to do.
+    fn robots_at_fault(&self, causes: &[(Cause, u64)], own: RobotId) -> Vec<RobotId> {
+        let named = |robot: &RobotId| {
+            let name = &self.problem.robot(*robot).name;
+            causes.iter().any(|(cause, _)| matches!(cause, Cause::Deadlock { robots } if robots.contains(name)))
+        };
+        let moves = |robot: &RobotId| !self.skeleton.modes[robot.index()].is_empty();
+        self.problem.robot_ids().filter(|robot| *robot != own && moves(robot) && named(robot)).collect()
+    }
+
+    /// The pair that a robot is at.
+    fn pair_at(&self, robot: RobotId, next: &[usize]) -> Option<PairId> {
+        let modes = &self.skeleton.modes[robot.index()];
+        let mode = modes.get(next[robot.index()]).or(modes.last())?;
+        mode.pair.or(mode.begins.map(|event| event.pair))
+    }
+
+    /// Each robot's next mode, if every event that must come before its own is committed, and nobody is given way to.
+    fn ready_modes(&self, next: &[usize], give_way: &GiveWay) -> Vec<Mode> {
+        let done = |event: &Event| {
+            let robot = self.problem.pair(event.pair).robot.index();
+            self.skeleton.modes[robot][..next[robot]].iter().any(|mode| mode.ends == Some(*event))
+        };
+        let is_ready = |mode: &Mode| {
+            let Some(own) = mode.ends else { return true };
+            let others = self.skeleton.modes.iter().flatten().filter_map(|mode| mode.ends);
+            others.filter(|event| self.skeleton.graph.precedes(*event, own)).all(|event| done(&event))
+        };
+        self.skeleton
+            .modes
+            .iter()
+            .zip(next)
+            .filter_map(|(modes, next)| modes.get(*next))
+            .filter(|mode| is_ready(mode) && !give_way.holds_back(mode, next))
+            .copied()
+            .collect()
+    }
+
+    fn commit_job(&self, modes: &Modes, round: &Round, give_way: &GiveWay, mode: ModeId) -> Job {
+        let of_robot = &modes[mode.robot.index()];
+        let step = mode.step as usize;
+        let clear_of = give_way.ways_before(mode.robot, &round.next);
+        self.compose_job(Composition::CommitMode {
+            prefix: round.prefixes.last().copied(),
+            mode,
+            roadmap: of_robot[step].roadmap,
+            next_roadmap: of_robot.get(step + 1).map(|next| next.roadmap),
+            // Where the mode ends, the next one begins.
+            clear_of: clear_of
+                .flat_map(|mode| modes[mode.robot.index()].iter().skip(mode.step as usize).take(2))
+                .map(|answer| answer.roadmap)
+                .collect(),
+        })
+    }
+}
+
+impl GiveWay {
+    /// Those in the way of a mode shall give way to it, or more than so far. Whether that is new.
+    fn learn(&mut self, mode: ModeId, by: &[RobotId]) -> bool {
+        let known = self.0.entry(mode).or_default();
+        let before = known.clone();
+        for robot in by {
+            known.entry(*robot).and_modify(|extent| *extent = Extent::Waits).or_insert(Extent::Parks);
+        }
+        *known != before
+    }
+
+    /// Modes that a robot still has to give way to.
+    fn ways_before<'a>(&'a self, robot: RobotId, next: &'a [usize]) -> impl Iterator<Item = ModeId> + 'a {
+        let open = move |mode: &ModeId| next[mode.robot.index()] <= mode.step as usize;
+        self.0.iter().filter(move |(mode, by)| open(mode) && by.contains_key(&robot)).map(|(mode, _)| *mode)
+    }
+
+    /// Whether a mode has to wait for another that its robot gives way to.
+    fn holds_back(&self, mode: &Mode, next: &[usize]) -> bool {
+        self.ways_before(mode.id.robot, next).any(|before| {
+            let waits = self.0[&before].get(&mode.id.robot) == Some(&Extent::Waits);
+            mode.kind == ModeKind::Return || waits && mode.id.step > 0
+        })
+    }
+}

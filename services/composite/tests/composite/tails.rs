@@ -68,7 +68,7 @@ fn a_closing_return_ends_where_the_robot_may_stand_for_ever() {
 }
 
 #[test]
-fn a_goal_under_another_robots_start_is_a_deadlock_that_names_it() {
+fn a_goal_under_another_robots_start_is_a_deadlock_or_no_path_if_that_robot_never_moves() {
     let mut world = World::grid(4, 1, 0.7);
     world.starts = vec![0, 3];
     world.objects = vec![2];
@@ -80,8 +80,13 @@ fn a_goal_under_another_robots_start_is_a_deadlock_that_names_it() {
     world.starts = vec![0, 2];
     world.objects = vec![3];
     world.errands = vec![Errand { robot: 0, object: 0, from: 3, to: 1 }];
+    let report = world.clone().build().commit(None, mode(0, 0)).unwrap_err();
+    let blocking = vec![plan::BodyRef::Link { robot: "r2".into(), link: "body".into() }];
+    assert_eq!(report.causes, [(Cause::NoPath { pair: Some("r1.1".into()), robot: "r1".into(), blocking }, 1)]);
+    world.objects.push(1);
+    world.errands.push(Errand { robot: 1, object: 1, from: 1, to: 1 });
     let report = world.build().commit(None, mode(0, 0)).unwrap_err();
-    assert_eq!(report.causes[0].0, Cause::Deadlock { robots: vec!["r1".into(), "r2".into()] });
+    assert_eq!(report.causes, [(Cause::Deadlock { robots: vec!["r1".into(), "r2".into()] }, 1)]);
 }
 
 #[test]

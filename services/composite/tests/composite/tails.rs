@@ -83,8 +83,10 @@ fn a_goal_under_another_robots_start_is_a_deadlock_or_no_path_if_that_robot_neve
     let report = world.clone().build().commit(None, mode(0, 0)).unwrap_err();
     let blocking = vec![plan::BodyRef::Link { robot: "r2".into(), link: "body".into() }];
     assert_eq!(report.causes, [(Cause::NoPath { pair: Some("r1.1".into()), robot: "r1".into(), blocking }, 1)]);
-    world.objects.push(1);
-    world.errands.push(Errand { robot: 1, object: 1, from: 1, to: 1 });
+    // Somewhere else robot 2 has something to do.
+    world.points.push([0.0, 5.0]);
+    world.objects.push(4);
+    world.errands.push(Errand { robot: 1, object: 1, from: 4, to: 4 });
     let report = world.build().commit(None, mode(0, 0)).unwrap_err();
     assert_eq!(report.causes, [(Cause::Deadlock { robots: vec!["r1".into(), "r2".into()] }, 1)]);
 }

@@ -106,7 +106,7 @@ fn tell(job: &Job, outcome: &Outcome) {
 
 fn kind(job: &Job) -> &'static str {
     match &job.request {
-        Request::Placement(_) => "1 placement",
+        Request::Placement(_) | Request::Hop(_) => "1 placement",
         Request::Transition(_) => "2 alternatives",
         Request::Blockers(_) => "2 blockers",
         Request::Piece(piece) if piece.spec == PieceSpec::Base => "3 base piece",

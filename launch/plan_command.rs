@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use contract::{AskFault, CompositeMethod, ProblemStatement, SearchOptions};
+use contract::{AskFault, CompositeMethod, Merge, ProblemStatement, SearchOptions};
 use miette::{IntoDiagnostic, Report};
 use refiner::End;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -40,6 +40,9 @@ pub struct PlanArgs {
     /// How composite motion is searched for.
     #[arg(long, value_enum, default_value_t)]
     pub composite: Composite,
+    /// Which of the paper's steps are done as one.
+    #[arg(long, value_enum, default_value_t)]
+    pub merge: MergedSteps,
     /// Launch file with the set of processes.
     #[arg(long, value_name = "LAUNCH_FILE")]
     pub set: Option<PathBuf>,
@@ -90,6 +93,42 @@ impl From<Composite> for CompositeMethod {
     }
 }
 
+/// Which of the paper's steps are done as one (its ablations).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MergedSteps {
+    /// None: each step has all that the one before found.
+    #[default]
+    None,
+    /// Placement and transition configurations: MERGE 1&2.
+    #[value(name = "1-2")]
+    OneAndTwo,
+    /// Placement, transition configurations and roadmaps: MERGE 1–3.
+    #[value(name = "1-3")]
+    OneToThree,
+}
+
+impl MergedSteps {
+    /// Name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            MergedSteps::None => "none",
+            MergedSteps::OneAndTwo => "1-2",
+            MergedSteps::OneToThree => "1-3",
+        }
+    }
+}
+
+impl From<MergedSteps> for Merge {
+    fn from(merge: MergedSteps) -> Self {
+        match merge {
+            MergedSteps::None => Self::None,
+            MergedSteps::OneAndTwo => Self::PlacementAndTransition,
+            MergedSteps::OneToThree => Self::PlacementToRoadmap,
+        }
+    }
+}
+
 /// Plans.
 ///
 /// # Errors
@@ -100,7 +139,7 @@ pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
     let launch = launch_file::load(args.set.as_deref())?;
     let search = args.search.settings().over(launch.search).over(problem.search);
     let mut statement = ProblemStatement::new(problem, args.seed, args.composite.into());
-    statement.options = SearchOptions::of(&search);
+    statement.options = SearchOptions { merge: args.merge.into(), ..SearchOptions::of(&search) };
     let statement = Arc::new(statement);
     let cancelled = cancelled_by_signal().into_diagnostic()?;
     let time_limit = args.time_limit.or(search.time_limit.map(f64::from)).map(time_limit).transpose()?;

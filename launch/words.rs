@@ -29,6 +29,7 @@ pub fn decision(problem: &Problem, decision: &Decision) -> String {
         Decision::Commit(committed) => format!("motion of {}", mode(problem, *committed)),
         Decision::Order(added) => format!("ordering {}", order(problem, added)),
         Decision::Drrt => "the composite search takes over".to_owned(),
+        Decision::Hop { pair, sample, .. } => format!("place {sample} for {}", problem.pair(*pair).name),
         Decision::More { stage, times } => format!("{stage} is asked again with {times} times as many samples"),
     }
 }

@@ -51,6 +51,7 @@ fn given_up(problem: &Problem, ledger: &Ledger) -> Vec<String> {
         let what = match decision {
             Decision::Placement(_) => "placement candidate".to_owned(),
             Decision::Alternative { pair, .. } => format!("way to do {}", problem.pair(*pair).name),
+            Decision::Hop { pair, .. } => format!("place for {}", problem.pair(*pair).name),
             Decision::Order(order) => format!("ordering {}", words::order(problem, order)),
             Decision::Drrt => "composite search".to_owned(),
             Decision::Level(_) | Decision::Commit(_) | Decision::More { .. } => words::decision(problem, decision),

@@ -63,6 +63,15 @@ pub enum Event<'a> {
         /// Why, in words.
         words: String,
     },
+    /// The object of a pair is placed, where steps are merged.
+    Hop {
+        /// Pair.
+        pair: &'a str,
+        /// Sample.
+        sample: u32,
+        /// Number of orderings added for it.
+        orderings: usize,
+    },
     /// A mode is committed.
     Committed {
         /// Mode, such as `r1.2 transfer`.
@@ -172,6 +181,9 @@ impl<'a> Event<'a> {
             }
             Decision::Commit(mode) => Self::Committed { mode: words::mode(problem, *mode) },
             Decision::Drrt => Self::CompositeSearch,
+            Decision::Hop { pair, sample, orders } => {
+                Self::Hop { pair: &problem.pair(*pair).name, sample: *sample, orderings: orders.len() }
+            }
             Decision::More { stage, times } => Self::More { stage: *stage, times: *times },
         }
     }

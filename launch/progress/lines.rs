@@ -46,7 +46,7 @@ pub fn of_entry(problem: &Problem, entry: &LedgerEntry) -> Option<String> {
 #[must_use]
 pub fn is_notable(entry: &LedgerEntry) -> bool {
     match entry {
-        LedgerEntry::Decided(Decision::Commit(_) | Decision::Alternative { .. })
+        LedgerEntry::Decided(Decision::Commit(_) | Decision::Alternative { .. } | Decision::Hop { .. })
         | LedgerEntry::Used { .. }
         | LedgerEntry::Learnt(_) => false,
         LedgerEntry::Backtrack { decision, .. } => matches!(decision, Decision::Placement(_) | Decision::Order(_)),
@@ -60,6 +60,7 @@ pub fn is_notable(entry: &LedgerEntry) -> bool {
 fn subject(problem: &Problem, job: &Job) -> String {
     match &job.request {
         Request::Placement(job) => format!("placements from candidate {}", job.first),
+        Request::Hop(job) => format!("places for {}", problem.pair(job.pair).name),
         Request::Transition(job) => format!("alternatives for {}", problem.pair(job.pair).name),
         Request::Blockers(job) => format!("objects in the way of {}", problem.robot(job.robot).name),
         Request::Piece(job) => format!("roadmap piece of {}", problem.robot(job.robot).name),

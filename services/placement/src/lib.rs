@@ -19,6 +19,7 @@ mod crowds;
 mod enumeration;
 mod footprint;
 mod guests;
+mod hop;
 mod layout;
 mod network;
 mod nogoods;

@@ -32,9 +32,9 @@ impl Samples {
     /// Draws `count` poses for each hop and tests each alone. Pays before every test, so that it can be broken off.
     pub fn draw(world: &World, count: usize, context: &mut JobContext<'_>) -> Result<Self, Stop> {
         let before = context.spent();
-        let draw = |site: usize| match &world.samplers[site] {
-            Some(sampler) => (0..count).map_while(|index| sampler.world_from_object(index)).collect(),
-            None => vec![world.start_pose(site)],
+        let draw = |site: usize| match world.given_pose(site) {
+            None => (0..count).map_while(|index| world.sample(site, index)).collect(),
+            Some(start) => vec![start],
         };
         let poses: Vec<Vec<Pose>> = (0..world.samplers.len()).map(draw).collect();
         let most = poses.iter().map(Vec::len).max().unwrap_or(0);
@@ -61,12 +61,30 @@ impl Samples {
 }
 
 impl World {
-    fn start_pose(&self, site: usize) -> Pose {
-        self.problem().movable[self.layout.sites[site].object().index()].world_from_start
+    /// The pose of a site that is nobody's choice: a start pose.
+    pub fn given_pose(&self, site: usize) -> Option<Pose> {
+        let object = self.layout.sites[site].object();
+        self.samplers[site].is_none().then(|| self.problem().movable[object.index()].world_from_start)
+    }
+
+    /// Pose number `index` of a hop; `None` if its object fits the region at no yaw that was tried, or there is no choice.
+    pub fn sample(&self, site: usize, index: usize) -> Option<Pose> {
+        self.samplers[site].as_ref()?.world_from_object(index)
+    }
+
+    /// Whether the bodies at two sites collide.
+    pub fn poses_collide(&self, first: (usize, &Pose), second: (usize, &Pose)) -> bool {
+        let standing = |(site, pose): (usize, &Pose)| Standing {
+            object: self.layout.sites[site].object(),
+            world_from_object: *pose,
+        };
+        let far = self.reach_m[first.0] + self.reach_m[second.0] + self.problem().settings.clearance;
+        let apart = (second.1.translation.vector - first.1.translation.vector).xy().norm();
+        apart <= far && self.geometry.standings_collide(&standing(first), &standing(second))
     }
 
     /// What a pose of a hop touches that is always there.
-    fn obstruction(&self, site: usize, world_from_object: &Pose) -> Option<Cause> {
+    pub fn obstruction(&self, site: usize, world_from_object: &Pose) -> Option<Cause> {
         let support = self.support(site)?;
         let standing = Standing { object: self.layout.sites[site].object(), world_from_object: *world_from_object };
         let first = report::object(self.problem(), &self.layout.sites[site]);
@@ -132,22 +150,17 @@ fn collide(
     (first, value): (usize, usize),
     second: usize,
 ) -> Box<[u64]> {
-    let standing =
-        |site: usize, pose: &Pose| Standing { object: world.layout.sites[site].object(), world_from_object: *pose };
-    let (here, clearance) = (&poses[first][value], world.problem().settings.clearance);
-    let far = world.reach_m[first] + world.reach_m[second] + clearance;
     let mut row = vec![0; free.row(second).len()];
     for other in bits::indices(free.row(second)) {
-        let there = &poses[second][other];
-        let apart = (there.translation.vector - here.translation.vector).xy().norm();
-        if apart <= far && world.geometry.standings_collide(&standing(first, here), &standing(second, there)) {
+        if world.poses_collide((first, &poses[first][value]), (second, &poses[second][other])) {
             bits::insert(&mut row, other);
         }
     }
     row.into_boxed_slice()
 }
 
-fn pay(context: &mut JobContext<'_>, units: u64) -> Result<(), Stop> {
+/// Pays for work on a job.
+pub(crate) fn pay(context: &mut JobContext<'_>, units: u64) -> Result<(), Stop> {
     match context.spend(units) {
         Ok(true) => Ok(()),
         Ok(false) => Err(Stop::Budget),

@@ -6,14 +6,15 @@ use std::sync::Mutex;
 
 use collision::GeometryError;
 use contract::{
-    Answer, CauseTally, DiscoveredOrder, FailureReport, Interrupted, Job, JobContext, MOST_PLACEMENT_SAMPLES, Outcome,
-    Placed, PlacementCandidate, PlacementJob, ProblemStatement, Request, Stage, StageKind,
+    Answer, CauseTally, DiscoveredOrder, FailureReport, HopJob, Interrupted, Job, JobContext, MOST_PLACEMENT_SAMPLES,
+    Outcome, Placed, PlacementCandidate, PlacementJob, ProblemStatement, Request, Stage, StageKind,
 };
 use model::PairId;
 use plan::Cause;
 use skeleton::Skeleton;
 
 use crate::enumeration::{Enumeration, Solved};
+use crate::hop::Hop;
 use crate::network::Stop;
 use crate::nogoods::Nogoods;
 use crate::order_sets::{OrderSets, Patience};
@@ -28,8 +29,10 @@ const MOST_CANDIDATES: u32 = 1 << 16;
 
 /// The placement stage.
 pub struct PlacementStage {
-    /// Or why there can be no placement, whatever the samples.
+    /// Or the given orderings that contradict one another.
     world: Result<World, FailureReport>,
+    /// Why there can be no placement, whatever the samples.
+    impossible: Option<FailureReport>,
     /// Samples by level.
     drawn: Mutex<BTreeMap<u32, Samples>>,
 }
@@ -42,37 +45,63 @@ impl PlacementStage {
     pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
         let problem = &statement.problem;
         let world = match Skeleton::of_problem(problem) {
-            Ok(skeleton) => {
-                let world = World::new(statement, &skeleton)?;
-                proof::impossible(problem, &world.layout).map_or(Ok(world), Err)
-            }
+            Ok(skeleton) => Ok(World::new(statement, &skeleton)?),
             Err(cycle) => Err(proof::cyclic(problem, &cycle)),
         };
-        Ok(Self { world, drawn: Mutex::default() })
+        let impossible = match &world {
+            Ok(world) => proof::impossible(problem, &world.layout),
+            Err(report) => Some(report.clone()),
+        };
+        Ok(Self { world, impossible, drawn: Mutex::default() })
     }
 
     fn place(&self, job: &PlacementJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        let world = match (&self.world, &self.impossible) {
+            (Ok(world), None) => world,
+            (Err(report), _) | (_, Some(report)) => {
+                return Ok(Outcome { result: Err(report.clone()), work: context.spent() });
+            }
+        };
+        let samples = samples_of(world, job.level, job.count)?;
+        let mut drawn = self.drawn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut search = Search { world, job, count: samples, found: Vec::new() };
+        let end = search.run(&mut drawn, context)?;
+        Ok(search.outcome(end, context.spent()))
+    }
+
+    /// Choices for one hop. Proofs about all hops together are left out: whoever asks so has not the whole in view.
+    fn place_hop(&self, job: &HopJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
         let world = match &self.world {
             Ok(world) => world,
             Err(report) => return Ok(Outcome { result: Err(report.clone()), work: context.spent() }),
         };
-        let samples = u64::from(world.problem().levels.placements).checked_shl(job.level).unwrap_or(u64::MAX);
-        if samples > MOST_PLACEMENT_SAMPLES || job.level > MOST_PLACEMENT_SAMPLES.ilog2() || job.count > MOST_CANDIDATES
-        {
-            let (level, count) = (job.level, job.count);
-            return Err(Interrupted::Unfit(format!("level {level} or {count} candidates are too many")));
+        let samples = samples_of(world, job.level, job.count)?;
+        match Hop::new(world, job)?.answer(samples, context) {
+            Ok(outcome) => Ok(outcome),
+            Err(Stop::Interrupted(interrupted)) => Err(interrupted),
+            Err(Stop::Budget) => {
+                let mut causes = CauseTally::default();
+                causes.count(Cause::Budget { stage: StageKind::Placement.name().to_owned() });
+                Ok(Outcome::soft_failure(causes, job.level, context.spent()))
+            }
         }
-        let mut drawn = self.drawn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let mut search = Search { world, job, count: samples as usize, found: Vec::new() };
-        let end = search.run(&mut drawn, context)?;
-        Ok(search.outcome(end, context.spent()))
     }
+}
+
+/// Samples of each hop at a level, if it and the number of answers are within bounds.
+fn samples_of(world: &World, level: u32, count: u32) -> Result<usize, Interrupted> {
+    let samples = u64::from(world.problem().levels.placements).checked_shl(level).unwrap_or(u64::MAX);
+    if samples > MOST_PLACEMENT_SAMPLES || level > MOST_PLACEMENT_SAMPLES.ilog2() || count > MOST_CANDIDATES {
+        return Err(Interrupted::Unfit(format!("level {level} or {count} candidates are too many")));
+    }
+    Ok(samples as usize)
 }
 
 impl Stage for PlacementStage {
     fn refine(&self, job: &Job, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
         match &job.request {
             Request::Placement(job) => self.place(job, context),
+            Request::Hop(job) => self.place_hop(job, context),
             _ => Err(Interrupted::Unfit("not a job of the placement stage".to_owned())),
         }
     }

@@ -27,14 +27,13 @@ struct InTheWay {
 
 impl Candidate<'_> {
     /// Drops alternatives that a certainly present pose blocks; those that only possible poses block come last.
-    pub(crate) fn drop_blocked(&mut self, search: &mut Search<'_>) -> Result<(), Stuck> {
+    pub(crate) fn drop_blocked(&mut self, search: &mut Search<'_>, pairs: &[PairId]) -> Result<(), Stuck> {
         let mut jobs: Vec<Job> = Vec::new();
-        let pairs: Vec<PairId> = (0..self.problem.pairs.len()).map(PairId::at).collect();
-        for pair in &pairs {
+        for pair in pairs {
             jobs.extend(self.blocker_jobs(*pair));
         }
         let mut outcomes = search.ask(&jobs)?.into_iter();
-        for pair in pairs {
+        for pair in pairs.iter().copied() {
             let instants = self.instants(pair);
             let mut found = Vec::new();
             for alternative in self.choices[pair.index()].left().to_vec() {
@@ -86,7 +85,9 @@ impl Candidate<'_> {
         let of_kind = |wanted: Presence| {
             self.skeleton.occupancies().filter(move |occupancy| {
                 let interval = self.skeleton.interval_of(*occupancy);
-                occupancy.object != own && self.skeleton.graph.presence(interval, instant) == wanted
+                occupancy.object != own
+                    && self.is_placed(*occupancy)
+                    && self.skeleton.graph.presence(interval, instant) == wanted
             })
         };
         let mut occupancies: Vec<Occupancy> = of_kind(Presence::Certain).collect();

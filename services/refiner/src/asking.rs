@@ -90,7 +90,7 @@ impl Search<'_> {
             Request::Piece(asked) => asked.level = raised(asked.level, doublings),
             Request::Mode(asked) => self.raise_mode(asked, doublings)?,
             Request::Compose(_) => {}
-            Request::Placement(_) | Request::Blockers(_) => return Ok(None),
+            Request::Placement(_) | Request::Hop(_) | Request::Blockers(_) => return Ok(None),
         }
         let units = job.budget.saturating_mul(1 << doublings.min(HIGHEST_LEVEL));
         more.budget = capped(&self.statement.options, &more.request, units);
@@ -170,6 +170,7 @@ fn is_whole_question(job: &Job) -> bool {
             Composition::Assemble { .. } => true,
         },
         Request::Placement(_)
+        | Request::Hop(_)
         | Request::Transition(_)
         | Request::Blockers(_)
         | Request::Piece(_)

@@ -34,13 +34,14 @@ pub(crate) struct Detour {
 }
 
 /// The choices of one placement candidate.
+#[derive(Clone)]
 pub(crate) struct Candidate<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) level: u32,
     pub(crate) budgets: Budgets<'a>,
     /// The event graph holds every ordering of `orders`.
     pub(crate) skeleton: Skeleton,
-    /// `poses[object][hop]`.
+    /// `poses[object][hop]`; while hops are placed one by one, only those of the first hops.
     pub(crate) poses: Vec<Vec<Pose>>,
     pub(crate) choices: Vec<PairChoice>,
     /// Discovered orderings: those of the placement, then those added since.
@@ -100,7 +101,7 @@ impl<'a> Candidate<'a> {
 
     /// Completes the candidate under its present orderings, revising alternatives and adding orderings on the way.
     pub(crate) fn settle(&mut self, search: &mut Search<'_>) -> Result<Found, Stuck> {
-        self.drop_blocked(search)?;
+        self.drop_blocked(search, &self.every_pair())?;
         loop {
             let modes = self.roadmaps(search)?;
             let (stage, conflict) = match self.obstructed(&modes) {
@@ -149,8 +150,12 @@ impl<'a> Candidate<'a> {
         }))
     }
 
-    pub(crate) fn ask_alternatives(&mut self, search: &mut Search<'_>) -> Result<(), Stuck> {
-        let pairs: Vec<PairId> = (0..self.problem.pairs.len()).map(PairId::at).collect();
+    pub(crate) fn every_pair(&self) -> Vec<PairId> {
+        (0..self.problem.pairs.len()).map(PairId::at).collect()
+    }
+
+    /// Asks for the alternatives of pairs whose two poses are known.
+    pub(crate) fn ask_alternatives(&mut self, search: &mut Search<'_>, pairs: &[PairId]) -> Result<(), Stuck> {
         let jobs: Vec<Job> = pairs.iter().map(|pair| self.alternatives_job(*pair)).collect();
         for ((pair, job), outcome) in pairs.iter().zip(&jobs).zip(search.ask(&jobs)?) {
             match outcome.result {
@@ -234,8 +239,13 @@ impl<'a> Candidate<'a> {
         self.choices[pair.index()].reopen(offered);
     }
 
-    fn ends(&self, pair: PairId) -> [Choice; 2] {
+    pub(crate) fn ends(&self, pair: PairId) -> [Choice; 2] {
         [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)].map(Choice::Pose)
+    }
+
+    /// Whether it is known where an object stands.
+    pub(crate) fn is_placed(&self, occupancy: Occupancy) -> bool {
+        (occupancy.hop as usize) < self.poses[occupancy.object.index()].len()
     }
 
     pub(crate) fn pose(&self, occupancy: Occupancy) -> Pose {

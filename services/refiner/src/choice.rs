@@ -34,6 +34,11 @@ impl PairChoice {
         self.conflict.merge(conflict);
     }
 
+    /// Why alternatives were excluded or given up.
+    pub(crate) fn why_fewer(&self) -> Conflict {
+        self.conflict.clone()
+    }
+
     /// Gives up the chosen alternative because of a conflict; the next one, or the conflict of them all.
     pub(crate) fn give_up(&mut self, conflict: Conflict) -> Result<&Alternative, Conflict> {
         self.revisions += 1;

@@ -14,7 +14,7 @@ use crate::search::Search;
 impl Candidate<'_> {
     /// Completes the candidate to a plan. Where no alternatives are left, the transition stage has failed.
     pub(crate) fn complete(mut self, search: &mut Search<'_>) -> Result<Found, Stuck> {
-        self.ask_alternatives(search)?;
+        self.ask_alternatives(search, &self.every_pair())?;
         let mut more = search.policy(StageKind::Transition).doublings();
         loop {
             let conflict = match self.settle(search) {

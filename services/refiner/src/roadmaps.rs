@@ -49,17 +49,27 @@ impl ModePieces {
 impl Candidate<'_> {
     /// Roadmaps of all modes; alternatives whose roadmaps do not connect are given up on the way.
     pub(crate) fn roadmaps(&mut self, search: &mut Search<'_>) -> Result<Modes, Stuck> {
+        let modes: Vec<Mode> = self.skeleton.modes.iter().flatten().copied().collect();
         loop {
-            match self.try_roadmaps(search)? {
-                Ok(modes) => return Ok(modes),
+            match self.try_roadmaps(search, &modes)? {
+                Ok(answers) => return Ok(self.by_robot(&modes, answers)),
                 Err(conflict) => self.fall_back(search, StageKind::Roadmap, conflict)?,
             }
         }
     }
 
-    /// Asks for all pieces at once, then for all mode roadmaps at once.
-    fn try_roadmaps(&self, search: &mut Search<'_>) -> Result<Result<Modes, Conflict>, Stuck> {
-        let modes: Vec<Mode> = self.skeleton.modes.iter().flatten().copied().collect();
+    fn by_robot(&self, modes: &[Mode], answers: Vec<ModeAnswer>) -> Modes {
+        let mut by_robot: Modes = vec![Vec::new(); self.problem.robots.len()];
+        modes.iter().zip(answers).for_each(|(mode, answer)| by_robot[mode.id.robot.index()].push(answer));
+        by_robot
+    }
+
+    /// Asks for all pieces at once, then for all mode roadmaps at once. Of several conflicts that of the first mode counts.
+    pub(crate) fn try_roadmaps(
+        &self,
+        search: &mut Search<'_>,
+        modes: &[Mode],
+    ) -> Result<Result<Vec<ModeAnswer>, Conflict>, Stuck> {
         let pieces = modes.iter().map(|mode| self.pieces(mode)).collect::<Result<Vec<_>, _>>()?;
         let wanted: Vec<Job> = pieces.iter().flat_map(ModePieces::jobs).cloned().collect();
         let mut outcomes = search.ask(&wanted)?.into_iter();
@@ -81,12 +91,12 @@ impl Candidate<'_> {
             }
             jobs.push(self.mode_job(mode, pieces, products));
         }
-        let mut answers: Modes = vec![Vec::new(); self.problem.robots.len()];
+        let mut answers = Vec::new();
         for ((mode, job), outcome) in modes.iter().zip(&jobs).zip(search.ask(&jobs)?) {
             match outcome.result {
                 Ok(Answer::Mode { roadmap, shortest_s, in_the_way }) => {
                     let in_the_way = self.possible_poses(mode, &in_the_way);
-                    answers[mode.id.robot.index()].push(ModeAnswer { roadmap, shortest_s, in_the_way });
+                    answers.push(ModeAnswer { roadmap, shortest_s, in_the_way });
                 }
                 Ok(_) => return Err(misfit(StageKind::Roadmap).into()),
                 Err(report) => {
@@ -114,12 +124,12 @@ impl Candidate<'_> {
         }))
     }
 
-    fn obstructions(&self, mode: &Mode, wanted: Presence) -> Vec<Obstruction> {
+    pub(crate) fn obstructions(&self, mode: &Mode, wanted: Presence) -> Vec<Obstruction> {
         self.skeleton
             .occupancies()
             .filter(|occupancy| {
                 let interval = self.skeleton.interval_of(*occupancy);
-                self.skeleton.graph.presence(interval, mode.interval()) == wanted
+                self.is_placed(*occupancy) && self.skeleton.graph.presence(interval, mode.interval()) == wanted
             })
             .map(|occupancy| Obstruction { occupancy, standing: self.standing(occupancy) })
             .collect()

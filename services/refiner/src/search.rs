@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use contract::{
     Answer, AskFault, AskStages, CauseTally, Decision, FailureReport, Job, JobId, Ledger, LedgerEntry, Literal,
-    MOST_PLACEMENT_SAMPLES, Nogood, PlacementCandidate, PlacementJob, ProblemStatement, Request, Soundness, StageKind,
-    WorkKind,
+    MOST_PLACEMENT_SAMPLES, Merge, Nogood, PlacementCandidate, PlacementJob, ProblemStatement, Request, Soundness,
+    StageKind, WorkKind,
 };
 use model::{FailurePolicy, Problem};
 use plan::{Cause, Certificate, PairPoint, ResultKind, StageCount};
@@ -23,7 +23,7 @@ pub(crate) struct Search<'a> {
     pub(crate) stages: &'a mut dyn AskStages,
     observe: &'a mut dyn FnMut(&LedgerEntry),
     ledger: Ledger,
-    causes: CauseTally,
+    pub(crate) causes: CauseTally,
     /// Causes met since the present placement candidate was begun.
     pub(crate) met: CauseTally,
     pub(crate) used: BTreeSet<JobId>,
@@ -35,7 +35,7 @@ pub(crate) struct Search<'a> {
 }
 
 /// How far one level came.
-enum LevelEnd {
+pub(crate) enum LevelEnd {
     Solved(Found),
     /// The stages after placement fail whatever is placed where, or as many candidates were tried as may be.
     Exhausted,
@@ -114,7 +114,11 @@ impl<'a> Search<'a> {
         };
         for level in 0..=self.problem().levels.highest {
             self.commit(LedgerEntry::Decided(Decision::Level(level)));
-            match self.level(level, &skeleton)? {
+            let end = match self.statement.options.merge {
+                Merge::None => self.level(level, &skeleton)?,
+                Merge::PlacementAndTransition | Merge::PlacementToRoadmap => self.level_hop_by_hop(level, &skeleton)?,
+            };
+            match end {
                 LevelEnd::Solved(found) => return Ok(Some(found)),
                 // No level can help.
                 LevelEnd::NoPlacement(report) if report.soundness == Soundness::Hard => return Ok(None),
@@ -213,7 +217,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn learn(&mut self, level: u32, conflict: &Conflict, literals: &[Literal]) {
+    pub(crate) fn learn(&mut self, level: u32, conflict: &Conflict, literals: &[Literal]) {
         let Some(proof) = conflict.proof else { return };
         self.commit(LedgerEntry::Learnt(Nogood {
             literals: literals.to_vec(),
@@ -223,7 +227,12 @@ impl<'a> Search<'a> {
         }));
     }
 
-    fn refine(&mut self, level: u32, skeleton: &Skeleton, candidate: &PlacementCandidate) -> Result<Found, Stuck> {
+    pub(crate) fn refine(
+        &mut self,
+        level: u32,
+        skeleton: &Skeleton,
+        candidate: &PlacementCandidate,
+    ) -> Result<Found, Stuck> {
         let budgets = Budgets::at(&self.problem().levels, level, &self.statement.options);
         let mut skeleton = skeleton.clone();
         for order in &candidate.orders {
@@ -257,7 +266,7 @@ impl<'a> Search<'a> {
 
 /// What a conflict says about a placement candidate: the samples it depends on. Start poses are nobody's choice. What
 /// stands where when depends on the candidate's orderings too, so they all count.
-fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &PlacementCandidate) -> Vec<Literal> {
+pub(crate) fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &PlacementCandidate) -> Vec<Literal> {
     let mut literals = Vec::new();
     for choice in &conflict.choices {
         let Choice::Pose(occupancy) = *choice else { continue };

@@ -38,6 +38,15 @@ pub struct PlacementCandidate {
     pub orders: Vec<DiscoveredOrder>,
 }
 
+/// One way to place one hop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HopChoice {
+    /// Placement.
+    pub placed: Placed,
+    /// Orderings it needs beyond those that hold.
+    pub orders: Vec<DiscoveredOrder>,
+}
+
 /// How a robot comes to an object at one end of a pair. Configurations have all coordinates, the base's included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {

@@ -2,10 +2,10 @@
 
 use model::{Configuration, Holding, PairId, Pose, RobotId, Standing};
 use serde::{Deserialize, Serialize};
-use skeleton::{ModeId, Occupancy};
+use skeleton::{Event, ModeId, Occupancy};
 
 use crate::scope::Scope;
-use crate::{Assignment, Digest, Literal, ProblemStatement, ProductRef, Reach, StageKind};
+use crate::{Assignment, Digest, Literal, Placed, ProblemStatement, ProductRef, Reach, StageKind};
 
 /// Identity of a job: equal for equal questions to equal implementations under equal circumstances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -35,6 +35,8 @@ pub enum Request {
     Mode(ModeJob),
     /// Composite.
     Compose(ComposeJob),
+    /// Placement: choices for one hop.
+    Hop(HopJob),
 }
 
 /// Most samples of one hop that a level may have.
@@ -51,6 +53,24 @@ pub struct PlacementJob {
     pub count: u32,
     /// Combinations of placements (and orders) that must not be offered.
     pub nogoods: Vec<Vec<Literal>>,
+}
+
+/// Asks for `count` choices for the hop of a pair from number `first` on, given what is placed: for searches that place
+/// hop by hop. Hops that are neither placed nor asked for do not count.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HopJob {
+    /// The pair that places.
+    pub pair: PairId,
+    /// Sample level.
+    pub level: u32,
+    /// Other hops that have their places.
+    pub placed: Vec<Placed>,
+    /// Orderings added for them.
+    pub orders: Vec<(Event, Event)>,
+    /// First choice's index in the canonical enumeration.
+    pub first: u32,
+    /// Number of choices.
+    pub count: u32,
 }
 
 /// Asks for `count` alternatives of a pair from number `first` on. Only the robot, the object and fixed objects count.
@@ -197,7 +217,7 @@ impl Request {
     #[must_use]
     pub fn stage(&self) -> StageKind {
         match self {
-            Request::Placement(_) => StageKind::Placement,
+            Request::Placement(_) | Request::Hop(_) => StageKind::Placement,
             Request::Transition(_) | Request::Blockers(_) => StageKind::Transition,
             Request::Piece(_) | Request::Mode(_) => StageKind::Roadmap,
             Request::Compose(_) => StageKind::Composite,
@@ -225,7 +245,7 @@ impl Job {
             Request::Piece(piece) => Some(piece.robot),
             Request::Mode(mode) => Some(mode.mode.robot),
             Request::Blockers(blockers) => Some(blockers.robot),
-            Request::Placement(_) | Request::Transition(_) | Request::Compose(_) => None,
+            Request::Placement(_) | Request::Hop(_) | Request::Transition(_) | Request::Compose(_) => None,
         }
     }
 
@@ -244,7 +264,11 @@ impl Job {
                 }
                 Composition::Assemble { prefix, .. } => vec![*prefix],
             },
-            Request::Placement(_) | Request::Transition(_) | Request::Blockers(_) | Request::Piece(_) => Vec::new(),
+            Request::Placement(_)
+            | Request::Hop(_)
+            | Request::Transition(_)
+            | Request::Blockers(_)
+            | Request::Piece(_) => Vec::new(),
         }
     }
 

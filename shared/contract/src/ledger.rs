@@ -3,7 +3,7 @@
 use model::PairId;
 use plan::Cause;
 use serde::{Deserialize, Serialize};
-use skeleton::ModeId;
+use skeleton::{Event, ModeId};
 
 use crate::{Digest, DiscoveredOrder, JobId, Nogood, StageKind, WorkKind, encode_canonical};
 
@@ -33,6 +33,15 @@ pub enum Decision {
         stage: StageKind,
         /// How many times.
         times: u32,
+    },
+    /// The hop of a pair is placed, where steps are merged.
+    Hop {
+        /// Pair.
+        pair: PairId,
+        /// Sample.
+        sample: u32,
+        /// Orderings added for it.
+        orders: Vec<(Event, Event)>,
     },
 }
 

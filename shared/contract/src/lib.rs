@@ -21,11 +21,11 @@ mod stage;
 mod statement;
 
 pub use ask::{AskFault, AskStages, Foresight};
-pub use assignment::{Alternative, Assignment, DiscoveredOrder, Placed, PlacementCandidate, Reach};
+pub use assignment::{Alternative, Assignment, DiscoveredOrder, HopChoice, Placed, PlacementCandidate, Reach};
 pub use codec::{CodecError, MAX_MESSAGE_BYTES, decode, encode, encode_canonical};
 pub use direct::DirectCalls;
 pub use job::{
-    BlockersJob, ComposeJob, Composition, Job, JobId, MOST_PLACEMENT_SAMPLES, ModeJob, Obstruction, PieceJob,
+    BlockersJob, ComposeJob, Composition, HopJob, Job, JobId, MOST_PLACEMENT_SAMPLES, ModeJob, Obstruction, PieceJob,
     PieceSpec, PlacementJob, Request, TransitionJob,
 };
 pub use job_ids::JobIds;
@@ -37,4 +37,4 @@ pub use roadmap::{Edge, EdgeKind, ModeRoadmap, RoadmapPiece, VertexId};
 pub use schedule::{Commitment, Move, Prefix};
 pub use serve::{JobPort, Offer, Refusal, ServeFault, serve};
 pub use stage::{Interrupted, JobContext, Stage, StageKind};
-pub use statement::{CompositeMethod, ProblemStatement, SearchOptions, WorkKind};
+pub use statement::{CompositeMethod, Merge, ProblemStatement, SearchOptions, WorkKind};

@@ -7,7 +7,7 @@ use plan::{Cause, Certificate};
 use serde::{Deserialize, Serialize};
 use skeleton::{Event, Occupancy};
 
-use crate::{Alternative, JobId, PlacementCandidate, ProductRef};
+use crate::{Alternative, HopChoice, JobId, PlacementCandidate, ProductRef};
 
 /// What a stage says to a job. A failed search is an outcome, not an error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +54,15 @@ pub enum Answer {
         plan: ProductRef,
         /// Makespan of the task (s).
         makespan_s: f64,
+    },
+    /// To `Hop`.
+    Hop {
+        /// Choices in canonical order: fewest orderings first, then by sample; fewer than asked if there are no more.
+        choices: Vec<HopChoice>,
+        /// Poses with which samples of the hop collide: only they, and the orderings that hold, make choices what they are.
+        against: Vec<Occupancy>,
+        /// What stands in the way of samples that are no choice, most frequent first.
+        causes: Vec<(Cause, u64)>,
     },
 }
 

@@ -19,7 +19,7 @@ impl Scope {
     /// What a request reads. `None`: it names a pair, robot or object that the problem does not have.
     pub(crate) fn of(problem: &Problem, request: &Request) -> Option<Self> {
         let scope = match request {
-            Request::Placement(_) => Self::Placement,
+            Request::Placement(_) | Request::Hop(_) => Self::Placement,
             Request::Transition(job) => Self::of_pair(problem, job.pair)?,
             Request::Blockers(job) => Self::Robot(job.robot, Some(job.holding.object)),
             Request::Piece(job) => Self::Robot(job.robot, job.holding.map(|holding| holding.object)),

@@ -18,6 +18,18 @@ pub enum CompositeMethod {
     Drrt,
 }
 
+/// Which of the paper's steps are done as one, hop by hop: its ablations (Sec. IV).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Merge {
+    /// None: all hops are placed before anything else is asked.
+    #[default]
+    None,
+    /// Placement and transition (MERGE 1&2): alternatives of a hop's pair are asked before the next hop is placed.
+    PlacementAndTransition,
+    /// Placement to roadmap (MERGE 1–3): its roadmaps, too.
+    PlacementToRoadmap,
+}
+
 /// What the search does with failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SearchOptions {
@@ -29,12 +41,14 @@ pub struct SearchOptions {
     pub candidates: u32,
     /// Failures of composite motion of one placement candidate after which it is given up.
     pub composite_failures: u32,
+    /// Which steps are done as one.
+    pub merge: Merge,
 }
 
 impl Default for SearchOptions {
     fn default() -> Self {
         let (policies, limits) = (Policies::default(), WorkLimits::default());
-        Self { policies, limits, candidates: 64, composite_failures: 12 }
+        Self { policies, limits, candidates: 64, composite_failures: 12, merge: Merge::None }
     }
 }
 

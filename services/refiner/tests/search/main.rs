@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod limits;
+mod merged;
 mod policies;
 mod scripted;
 mod superset;

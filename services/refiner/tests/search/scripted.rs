@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use contract::{
     Alternative, Answer, AskFault, AskStages, CompositeMethod, Composition, Decision, Digest, FailureReport, Foresight,
-    Job, JobId, JobIds, Ledger, LedgerEntry, Outcome, Placed, PlacementCandidate, ProblemStatement, ProductRef, Reach,
-    Request, Soundness,
+    HopChoice, HopJob, Job, JobId, JobIds, Ledger, LedgerEntry, Outcome, Placed, PlacementCandidate, ProblemStatement,
+    ProductRef, Reach, Request, Soundness,
 };
-use model::{DiskFiles, FixedId, GraspId, PairId, Problem, load_problem};
+use model::{DiskFiles, FixedId, GraspId, PairId, Pose, Problem, load_problem};
 use plan::Cause;
 use refiner::{Refinement, refine_plan};
 
@@ -58,6 +58,7 @@ impl<'a> Scripted<'a> {
             Request::Placement(job) => {
                 Answer::Placements((job.first..job.first + job.count).map(|index| candidate(problem, index)).collect())
             }
+            Request::Hop(job) => Answer::Hop { choices: hop_choices(job), against: Vec::new(), causes: Vec::new() },
             Request::Transition(job) => {
                 Answer::Alternatives((0..3 << job.level).map(|i| alternative(problem, job.pair, i)).collect())
             }
@@ -102,6 +103,15 @@ pub fn candidate(problem: &Problem, index: u32) -> PlacementCandidate {
         .map(|i| Placed { pair: PairId::at(i), sample: index, world_from_object: problem.movable[0].world_from_start })
         .collect();
     PlacementCandidate { index, placements, orders: Vec::new() }
+}
+
+/// Every hop has four samples, side by side.
+fn hop_choices(job: &HopJob) -> Vec<HopChoice> {
+    let choice = |sample| {
+        let world_from_object = Pose::translation(f64::from(sample), 0.0, 0.0);
+        HopChoice { placed: Placed { pair: job.pair, sample, world_from_object }, orders: Vec::new() }
+    };
+    (job.first..4.min(job.first.saturating_add(job.count))).map(choice).collect()
 }
 
 /// The grasp tells the alternatives apart.

@@ -18,6 +18,9 @@ pub(super) fn misfit(id: JobId, job: &Job, outcome: &Outcome) -> Option<String> 
 fn is_answer_to(answer: &Answer, request: &Request) -> bool {
     match (request, answer) {
         (Request::Placement(job), Answer::Placements(candidates)) => candidates.len() <= job.count as usize,
+        (Request::Hop(job), Answer::Hop { choices, .. }) => {
+            choices.len() <= job.count as usize && choices.iter().all(|choice| choice.placed.pair == job.pair)
+        }
         (Request::Transition(job), Answer::Alternatives(alternatives)) => alternatives.len() <= job.count as usize,
         (Request::Blockers(job), Answer::Blocked(blocked)) => blocked.len() == job.standing.len(),
         (Request::Piece(_), Answer::Piece(_)) | (Request::Mode(_), Answer::Mode { .. }) => true,

@@ -272,7 +272,7 @@ pub(crate) fn product_of(outcome: &Outcome) -> Option<ProductRef> {
         Answer::Mode { roadmap, .. } => Some(*roadmap),
         Answer::Committed { prefix, .. } => Some(*prefix),
         Answer::Plan { plan, .. } => Some(*plan),
-        Answer::Placements(_) | Answer::Alternatives(_) | Answer::Blocked(_) => None,
+        Answer::Placements(_) | Answer::Hop { .. } | Answer::Alternatives(_) | Answer::Blocked(_) => None,
     }
 }
 

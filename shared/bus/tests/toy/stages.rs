@@ -43,6 +43,10 @@ impl Stage for ToyStage {
                 let all = (job.first..job.first + job.count).map(candidate).collect();
                 Ok(Outcome::answer(Answer::Placements(all), luck))
             }
+            Request::Hop(_) => {
+                let (choices, against, causes) = (Vec::new(), Vec::new(), Vec::new());
+                Ok(Outcome::answer(Answer::Hop { choices, against, causes }, luck))
+            }
             Request::Transition(job) if luck.is_multiple_of(4) => Ok(failure(&format!("pair {}", job.pair.0), luck)),
             Request::Transition(_) => Ok(Outcome::answer(Answer::Alternatives(Vec::new()), luck)),
             Request::Blockers(job) => Ok(Outcome::answer(Answer::Blocked(vec![false; job.standing.len()]), luck)),

@@ -1,16 +1,16 @@
 //! `mrtamp bench`: plans one problem with several seeds, each in a fresh program, and prints the figures.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::Args;
 use miette::{Context, IntoDiagnostic};
 use serde_json::Value;
 
-use crate::exit;
 use crate::packages::PackageArgs;
-use crate::plan_command::Composite;
+use crate::plan_command::{Composite, MergedSteps};
 use crate::search_args::SearchArgs;
+use crate::{bench_merged, exit};
 
 /// Arguments of `mrtamp bench`.
 #[derive(Args, Debug)]
@@ -29,6 +29,9 @@ pub struct BenchArgs {
     /// How composite motion is searched for.
     #[arg(long, value_enum, default_value_t)]
     pub composite: Composite,
+    /// Which of the paper's steps are done as one. Given once or more, all those are compared, with and without causes.
+    #[arg(long, value_enum)]
+    pub merge: Vec<MergedSteps>,
     /// Seconds after which a search is ended.
     #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
     pub time_limit: f64,
@@ -44,13 +47,17 @@ pub struct BenchArgs {
 }
 
 /// One run.
-struct Row {
-    seed: u64,
-    solved: bool,
-    refused: bool,
-    elapsed_s: f64,
-    cpu_s: f64,
-    report: Value,
+pub(crate) struct Row {
+    pub(crate) seed: u64,
+    pub(crate) solved: bool,
+    pub(crate) refused: bool,
+    pub(crate) elapsed_s: f64,
+    pub(crate) cpu_s: f64,
+    /// Complete placements tried.
+    pub(crate) placements: usize,
+    /// Places of single hops tried, where steps are merged.
+    pub(crate) hops: usize,
+    pub(crate) report: Value,
 }
 
 /// Plans with every seed and prints a table, medians and worst cases.
@@ -58,10 +65,13 @@ struct Row {
 /// # Errors
 /// When the program cannot start itself.
 pub fn run(args: &BenchArgs) -> miette::Result<ExitCode> {
+    if !args.merge.is_empty() {
+        return bench_merged::run(args);
+    }
     let mut rows = Vec::new();
     println!("{:>6} {:>9} {:>9} {:>10} {:>10} {:>6}  end", "seed", "time s", "cpu s", "task s", "bound s", "arcs");
     for seed in args.first_seed..args.first_seed + args.seeds {
-        let row = plan_once(args, seed)?;
+        let row = plan_once(args, seed, &args.out.join(format!("seed{seed}")), &[])?;
         let number = |key: &str| row.report["plan"][key].as_f64().map_or("-".to_owned(), |x| format!("{x:.2}"));
         let end = row.report["result"].as_str().unwrap_or(if row.refused { "refused" } else { "fault" });
         println!(
@@ -80,14 +90,17 @@ pub fn run(args: &BenchArgs) -> miette::Result<ExitCode> {
     Ok(ExitCode::from(if all { exit::SOLVED } else { exit::EXHAUSTED }))
 }
 
-fn plan_once(args: &BenchArgs, seed: u64) -> miette::Result<Row> {
+/// Plans once, in a fresh program, with `more` arguments.
+///
+/// # Errors
+/// When the program cannot start itself.
+pub(crate) fn plan_once(args: &BenchArgs, seed: u64, out: &Path, more: &[&str]) -> miette::Result<Row> {
     let program = std::env::current_exe().into_diagnostic()?;
-    let out = args.out.join(format!("seed{seed}"));
     let mut command = Command::new(program);
-    command.arg("plan").args(&args.problem).args(["--json", "--seed", &seed.to_string()]).arg("--out").arg(&out);
+    command.arg("plan").args(&args.problem).args(["--json", "--seed", &seed.to_string()]).arg("--out").arg(out);
     command.args(["--time-limit", &args.time_limit.to_string()]);
     command.args(["--composite", args.composite.name()]);
-    command.args(args.search.to_arguments());
+    command.args(args.search.to_arguments()).args(more);
     command.args(args.packages.to_arguments());
     if args.in_process {
         command.arg("--in-process");
@@ -105,6 +118,8 @@ fn plan_once(args: &BenchArgs, seed: u64) -> miette::Result<Row> {
         refused,
         elapsed_s: started.elapsed().as_secs_f64(),
         cpu_s: children_cpu_s() - cpu_before,
+        placements: count_events(&ended.stdout, "placement"),
+        hops: count_events(&ended.stdout, "hop"),
         report,
     })
 }
@@ -114,6 +129,12 @@ fn result_of(stdout: &[u8]) -> Value {
     let last = stdout.trim_ascii_end().rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
     let line: Value = serde_json::from_slice(last).unwrap_or(Value::Null);
     if line["event"] == "result" { line } else { Value::Null }
+}
+
+/// How many lines of a run tell of such an event.
+fn count_events(stdout: &[u8], event: &str) -> usize {
+    let lines = stdout.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Value>(line).ok());
+    lines.filter(|line| line["event"] == event).count()
 }
 
 /// CPU time of all ended children and theirs (s).

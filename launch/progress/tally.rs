@@ -62,6 +62,7 @@ impl Tally {
                 tally.causes.count_all(&report.causes);
             }
             Ok(Answer::Placements(list)) => tally.answers += list.len() as u64,
+            Ok(Answer::Hop { choices, .. }) => tally.answers += choices.len() as u64,
             Ok(Answer::Alternatives(list)) => tally.answers += list.len() as u64,
             Ok(Answer::Blocked(_)) => {}
             Ok(Answer::Piece(_) | Answer::Mode { .. } | Answer::Committed { .. } | Answer::Plan { .. }) => {

@@ -46,6 +46,9 @@ impl ToyStages {
                 return Ok(Outcome::soft_failure(CauseTally::default(), 0, 1));
             }
             Request::Placement(_) => Answer::Placements(vec![self.placement()]),
+            Request::Hop(_) => {
+                return Err(unfit(contract::Interrupted::Unfit("hops are placed all at once here".into())));
+            }
             Request::Transition(transition) => Answer::Alternatives(vec![self.alternative(transition.pair)]),
             Request::Blockers(blockers) => Answer::Blocked(vec![false; blockers.standing.len()]),
             Request::Piece(_) => {

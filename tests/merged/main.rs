@@ -4,6 +4,7 @@
 
 mod acceptance;
 mod brute;
+#[allow(dead_code, reason = "large problems are for other tests")]
 #[path = "../ladder/generator.rs"]
 mod generator;
 mod same_set;

@@ -9,7 +9,7 @@ use launch::ending::finished_plan;
 use launch::in_process;
 use launch::in_process::RunEnd;
 use launch::processes::{Members, run};
-use launch::progress::Progress;
+use launch::progress::{Progress, Show};
 use launch::set::launch_file;
 use model::{FailurePolicy, Problem};
 use plan::{Certificate, ResultKind};
@@ -28,7 +28,7 @@ fn statement(problem: Problem, merge: Merge, causes: bool) -> Arc<ProblemStateme
 }
 
 fn by_direct_calls(statement: &Arc<ProblemStatement>) -> RunEnd {
-    let (progress, cancelled) = (Progress::new(statement.clone(), true), Arc::new(AtomicBool::new(false)));
+    let (progress, cancelled) = (Progress::new(statement.clone(), Show::Nothing), Arc::new(AtomicBool::new(false)));
     in_process::run(statement, Some(WATCHDOG), &cancelled, &progress).unwrap()
 }
 
@@ -45,7 +45,7 @@ fn plan_bytes(statement: &ProblemStatement, run: &RunEnd) -> Vec<u8> {
 fn merged_runs_have_equal_bytes_by_direct_calls_channels_and_processes() {
     let statement = statement(scene("t05_tiny_region"), Merge::PlacementToRoadmap, true);
     let expected = plan_bytes(&statement, &by_direct_calls(&statement));
-    let (progress, stop) = (Progress::new(statement.clone(), true), Arc::new(AtomicBool::new(false)));
+    let (progress, stop) = (Progress::new(statement.clone(), Show::Nothing), Arc::new(AtomicBool::new(false)));
     let launch = launch_file::load(None).unwrap();
     let (end, _) = run(&statement, &launch, Members::Threads, Some(WATCHDOG), &stop, &progress).unwrap();
     assert!(plan_bytes(&statement, &end) == expected, "over channels");

@@ -1,11 +1,15 @@
-//! Policies and limits as a user gives them: in the problem, in the launch file, on the command line.
+//! Policies and limits as a user gives them: in the problem, in the launch file, on the command line. Gates and removals.
 
 use std::path::Path;
 
 use assert_cmd::Command;
-use plan::{Cause, ResultKind};
+use contract::CompositeMethod::{Drrt, Prioritised};
+use model::{Gate, Removal};
+use plan::{Cause, Certificate, Origin, ResultKind};
+use refiner::End;
+use validation::{Rule, check_plan};
 
-use crate::scene_path;
+use crate::{certified, scene, scene_path, try_plan};
 
 /// Exit code, and bytes of the result.
 fn plan(arguments: &[&str], folder: &Path) -> (Option<i32>, Vec<u8>) {
@@ -75,5 +79,72 @@ fn words_that_mean_nothing_are_bad_input() {
         let mut command = Command::cargo_bin("mrtamp").unwrap();
         let ended = command.args(["plan", "t03_relay"]).args(arguments).current_dir(folder.path()).output().unwrap();
         assert_eq!(ended.status.code(), Some(2), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_relay_takes_longer_where_whole_actions_gate_one_another() {
+    let mut problem = scene("t03_relay");
+    for method in [Prioritised, Drrt] {
+        problem.settings.gate = Gate::Grasp;
+        let by_grasp = certified(&problem, 0, method);
+        problem.settings.gate = Gate::Action;
+        let by_action = certified(&problem, 0, method);
+        let (short, long) = (by_grasp.makespan.task_s, by_action.makespan.task_s);
+        println!("{short} s by grasps, {long} s by actions, {:.1} % more", 100.0 * (long / short - 1.0));
+        assert!(short < long, "{short} s, {long} s");
+        let broken = check_plan(&problem, &by_grasp).unwrap_err();
+        assert!(broken.iter().all(|violation| violation.rule == Rule::V9), "{broken:?}");
+    }
+}
+
+#[test]
+fn the_last_action_of_a_robot_that_stays_opens_its_gate() {
+    let mut problem = scene("t25_stays_after_its_last");
+    problem.settings.gate = Gate::Action;
+    for method in [Prioritised, Drrt] {
+        certified(&problem, 0, method);
+    }
+}
+
+#[test]
+fn a_swap_of_two_robots_is_proven_a_cycle_where_removals_have_to_be_completed() {
+    let mut problem = scene("t09_swap");
+    certified(&problem, 0, Prioritised);
+    problem.settings.removal = Removal::Completed;
+    let end = try_plan(&problem, 0, Prioritised).unwrap_err();
+    let End::Failed { result: ResultKind::InfeasibleProven, certificate: Some(certificate), .. } = end else {
+        panic!("no proof: {end:?}")
+    };
+    assert!(matches!(certificate, Certificate::Cycle { .. }));
+    let provenance = launch::ending::provenance(
+        &contract::ProblemStatement::new(problem.clone(), 0, Prioritised),
+        &contract::Ledger::default(),
+    );
+    let failure = plan::Failure {
+        format: plan::FAILURE_FORMAT.to_owned(),
+        problem: problem.name.clone(),
+        result: ResultKind::InfeasibleProven,
+        causes: Vec::new(),
+        certificate: Some(certificate),
+        reached: None,
+        stages: Vec::new(),
+        provenance,
+    };
+    assert_eq!(validation::check_failure(&problem, &failure), Ok(()));
+    problem.settings.removal = Removal::Grasp;
+    assert!(validation::check_failure(&problem, &failure).is_err());
+}
+
+#[test]
+fn a_place_is_free_when_the_removal_is_completed_if_the_problem_says_so() {
+    let mut problem = scene("t05_tiny_region");
+    problem.settings.removal = Removal::Completed;
+    for method in [Prioritised, Drrt] {
+        let plan = certified(&problem, 0, method);
+        let found = plan.orderings.iter().filter(|ordering| ordering.origin == Origin::Discovered);
+        let ends: Vec<_> =
+            found.map(|o| (o.before.pair.as_str(), o.before.point.name(), o.after.pair.as_str())).collect();
+        assert_eq!(ends, [("r2.1", "release", "r1.1")]);
     }
 }

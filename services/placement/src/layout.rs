@@ -1,7 +1,7 @@
 //! Sites: every pose that an object takes, when it is taken, and which sites could be in each other's way.
 
 use crate::bits;
-use model::{ObjectId, PairId, Problem, RegionId};
+use model::{ObjectId, PairId, Problem, RegionId, Removal};
 use skeleton::{Event, EventGraph, Interval, Occupancy, Skeleton};
 
 /// A pose that an object takes. Sites are numbered by object, then hop.
@@ -12,7 +12,7 @@ pub(crate) struct Site {
     pub placed_by: Option<PairId>,
     /// The release that begins it; a start pose is there from the start.
     pub comes: Option<Event>,
-    /// The grasp that ends it; the last pose stays.
+    /// The grasp that ends it, or the release after it, as the problem's removals are; the last pose stays.
     pub leaves: Option<Event>,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct Order {
     pub first: usize,
     /// The site that is taken later.
     pub second: usize,
-    /// Grasp of the first's object.
+    /// Grasp of the first's object, or its release elsewhere.
     pub before: Event,
     /// Release of the second's.
     pub after: Event,
@@ -62,7 +62,7 @@ impl Layout {
     /// The layout of a problem; `near(a, b)` says whether bodies at two sites could come close to each other.
     /// A start pose that is never left has no neighbours: it is an obstacle, like fixed objects.
     pub fn new(problem: &Problem, skeleton: &Skeleton, near: impl Fn(usize, usize) -> bool) -> Self {
-        let sites: Vec<Site> = skeleton.occupancies().map(|occupancy| site(skeleton, occupancy)).collect();
+        let sites: Vec<Site> = skeleton.occupancies().map(|occupancy| site(problem, skeleton, occupancy)).collect();
         let mut neighbours = vec![Vec::new(); sites.len()];
         for a in 0..sites.len() {
             for b in 0..sites.len() {
@@ -122,9 +122,13 @@ impl Layout {
     }
 }
 
-fn site(skeleton: &Skeleton, occupancy: Occupancy) -> Site {
+fn site(problem: &Problem, skeleton: &Skeleton, occupancy: Occupancy) -> Site {
     let Interval { from, to } = skeleton.interval_of(occupancy);
-    Site { occupancy, placed_by: from.map(|event| event.pair), comes: from, leaves: to }
+    let leaves = to.map(|grasp| match problem.settings.removal {
+        Removal::Grasp => grasp,
+        Removal::Completed => Event::release(grasp.pair),
+    });
+    Site { occupancy, placed_by: from.map(|event| event.pair), comes: from, leaves }
 }
 
 fn related(graph: &EventGraph, a: &Site, b: &Site) -> bool {

@@ -250,3 +250,21 @@ fn a_start_pose_that_is_never_left_is_avoided_by_everybody() {
     assert!(candidate.orders.is_empty());
     assert_eq!(Event::release(candidate.placements[0].pair).point, Point::Release);
 }
+
+#[test]
+fn where_removals_have_to_be_completed_the_old_box_is_released_elsewhere_before_the_new_one_comes() {
+    let mut problem = shipped("t05_tiny_region");
+    problem.settings.removal = model::Removal::Completed;
+    assert_eq!(orders(&problem, &first_candidate(&problem)), ["release of r2.1 < release of r1.1"]);
+}
+
+#[test]
+fn where_removals_have_to_be_completed_two_robots_cannot_swap_two_objects() {
+    let mut problem = two_robot_swap().0;
+    problem.settings.removal = model::Removal::Completed;
+    let report = failure(&problem);
+    let mut points = cycle_points(&report.causes);
+    points.sort();
+    assert_eq!(points, [point("r1.1", Point::Release), point("r2.1", Point::Release)]);
+    assert!(matches!(report.proof(), Some(Certificate::Cycle { exclusions, .. }) if exclusions.len() == 2));
+}

@@ -37,7 +37,7 @@ pub use problem_error::{Finding, FindingKind, ProblemError, Span};
 pub use robot::{Coordinate, EndEffector, Joint, JointMotion, JointValue, Link, PlanarBase, Robot};
 pub use scene::{FixedObject, MovableObject, Region};
 pub use search::{FailurePolicy, Policies, PolicyError, SearchSettings, Seconds, WorkLimits};
-pub use settings::{Levels, Settings};
+pub use settings::{Gate, Levels, Removal, Settings};
 pub use shape::{Body, Shape};
 pub use task::{EndPolicy, GivenOrdering, Pair, Point};
 

@@ -49,6 +49,12 @@ impl Problem {
         hops
     }
 
+    /// What the problem's gate makes of an ordering.
+    #[must_use]
+    pub fn gated(&self, ordering: GivenOrdering) -> Option<GivenOrdering> {
+        ordering.gated(self.settings.gate, &self.pairs, &self.robots)
+    }
+
     /// The pair with this identifier.
     #[must_use]
     pub fn pair(&self, pair: PairId) -> &Pair {

@@ -2,6 +2,30 @@
 
 use serde::{Deserialize, Serialize};
 
+/// When what an ordering puts first lets what it puts later go on (paper Sec. III-E, "until another robot's roadmap is
+/// reached").
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Gate {
+    /// As soon as the points themselves allow: where an object is handed on, its release lets the next grasp happen.
+    #[default]
+    Grasp,
+    /// Only when the action of the first point is completed, its arm folded, may the robot of the later one come to the
+    /// stand of its action (a fixed arm: grasp or release). An action is all from `start` to `carry`, or from there to `done`.
+    Action,
+}
+
+/// When an object that is taken away leaves its place to others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Removal {
+    /// When it is grasped.
+    #[default]
+    Grasp,
+    /// When the action that takes it away is completed: when it is released elsewhere.
+    Completed,
+}
+
 /// Distances, times and limits. Each has the documented default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -22,6 +46,10 @@ pub struct Settings {
     pub straightness: f64,
     /// Greatest angle between a stand pose's heading and the direction to the object (rad).
     pub facing: f64,
+    /// When what an ordering puts first lets what it puts later go on.
+    pub gate: Gate,
+    /// When an object that is taken away leaves its place to others.
+    pub removal: Removal,
 }
 
 impl Default for Settings {
@@ -35,6 +63,8 @@ impl Default for Settings {
             lift: 0.05,
             straightness: 0.005,
             facing: std::f64::consts::FRAC_PI_3,
+            gate: Gate::default(),
+            removal: Removal::default(),
         }
     }
 }

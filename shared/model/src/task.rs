@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ObjectId, PairId, RegionId, RobotId};
+use crate::{Gate, ObjectId, PairId, RegionId, Robot, RobotId};
 
 /// One pick-and-place of one robot: the paper's abstract action (Sec. II-B), a transit and a transfer mode.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -60,6 +60,26 @@ pub struct GivenOrdering {
     pub before: (PairId, Point),
     /// What must come later.
     pub after: (PairId, Point),
+}
+
+impl GivenOrdering {
+    /// What a gate makes of an ordering between two robots: the action of `before` is completed before the robot of
+    /// `after` comes to the stand of its action; a fixed arm, which is always there, before it grasps or releases.
+    pub(crate) fn gated(self, gate: Gate, pairs: &[Pair], robots: &[Robot]) -> Option<Self> {
+        let robot = |(pair, _): (PairId, Point)| pairs[pair.index()].robot;
+        if gate == Gate::Grasp || robot(self.before) == robot(self.after) {
+            return None;
+        }
+        let drives = robots[robot(self.after).index()].base.is_some();
+        let completed = if self.before.1 <= Point::Carry { Point::Carry } else { Point::Done };
+        let arrives = match (self.after.1 <= Point::Carry, drives) {
+            (true, true) => Point::AtPick,
+            (true, false) => Point::Grasp,
+            (false, true) => Point::AtPlace,
+            (false, false) => Point::Release,
+        };
+        Some(Self { before: (self.before.0, completed), after: (self.after.0, arrives) })
+    }
 }
 
 /// What a robot does after its last pair.

@@ -1,6 +1,6 @@
 //! The event graph: a strict partial order on events with incremental closure and undo.
 
-use model::{Problem, RobotId};
+use model::{GivenOrdering, Point, Problem, RobotId};
 use serde::{Deserialize, Serialize};
 
 use crate::Event;
@@ -55,12 +55,13 @@ impl EventGraph {
     /// A graph on the events of `pairs` pairs with no order at all.
     #[must_use]
     pub fn unordered(pairs: usize) -> Self {
-        let nodes = pairs * model::Point::ALL.len();
+        let nodes = pairs * Point::ALL.len();
         let words = nodes.div_ceil(64);
         Self { nodes, words, after: vec![0; nodes * words], arcs: Vec::new(), trail: Vec::new() }
     }
 
-    /// The order that a problem gives: each robot's pairs in order, each object's hops, the listed orderings.
+    /// The order that a problem gives: each robot's pairs in order, each object's hops, the listed orderings, and what its
+    /// gate makes of them.
     ///
     /// # Errors
     /// The first cycle met.
@@ -71,21 +72,27 @@ impl EventGraph {
         }
         for object in 0..problem.movable.len() {
             for hops in problem.hops_of_object(model::ObjectId::at(object)).windows(2) {
-                graph.add(Event::release(hops[0]), Event::grasp(hops[1]), ArcOrigin::Object)?;
+                let (before, after) = ((hops[0], Point::Release), (hops[1], Point::Grasp));
+                graph.add_gated(problem, GivenOrdering { before, after }, ArcOrigin::Object)?;
             }
         }
         for ordering in &problem.orderings {
-            let (before, after) = (ordering.before, ordering.after);
-            graph.add(Event::new(before.0, before.1), Event::new(after.0, after.1), ArcOrigin::Given)?;
+            graph.add_gated(problem, *ordering, ArcOrigin::Given)?;
         }
         Ok(graph)
     }
 
+    /// Adds an ordering, and that of the whole actions, if the problem's gate wants it.
+    fn add_gated(&mut self, problem: &Problem, ordering: GivenOrdering, origin: ArcOrigin) -> Result<(), Cycle> {
+        for GivenOrdering { before, after } in [Some(ordering), problem.gated(ordering)].into_iter().flatten() {
+            self.add(Event::new(before.0, before.1), Event::new(after.0, after.1), origin)?;
+        }
+        Ok(())
+    }
+
     fn add_robot_chain(&mut self, problem: &Problem, robot: RobotId) -> Result<(), Cycle> {
-        let chain: Vec<Event> = problem
-            .pairs_of_robot(robot)
-            .flat_map(|pair| model::Point::ALL.map(|point| Event::new(pair, point)))
-            .collect();
+        let chain: Vec<Event> =
+            problem.pairs_of_robot(robot).flat_map(|pair| Point::ALL.map(|point| Event::new(pair, point))).collect();
         for step in chain.windows(2) {
             self.add(step[0], step[1], ArcOrigin::Robot)?;
         }
@@ -195,7 +202,7 @@ impl EventGraph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::{PairId, Point};
+    use model::PairId;
 
     fn event(pair: usize, point: Point) -> Event {
         Event::new(PairId::at(pair), point)

@@ -9,7 +9,7 @@
 //!
 //! An ordering that is called given must follow from the problem.
 
-use model::{ObjectId, PairId, Point};
+use model::{ObjectId, PairId, Point, Problem, Removal};
 use plan::{BodyRef, Cause, Origin, PlanOrdering};
 
 use crate::actor::Actor;
@@ -66,7 +66,7 @@ fn witness(
     match &ordering.cause {
         Some(Cause::Overlap { region, leaves, comes }) => {
             let problem = script.problem;
-            let named = before.1 == Point::Grasp
+            let named = before.1 == leaving(problem)
                 && after.1 == Point::Release
                 && script.object_name(problem.pair(before.0).object) == leaves
                 && script.object_name(problem.pair(after.0).object) == comes
@@ -96,6 +96,14 @@ fn witness(
     }
 }
 
+/// The point at which an object that is taken away leaves its place to others.
+pub(crate) fn leaving(problem: &Problem) -> Point {
+    match problem.settings.removal {
+        Removal::Grasp => Point::Grasp,
+        Removal::Completed => Point::Release,
+    }
+}
+
 fn ended_by(timeline: &Timeline, pair: PairId) -> Option<&Standing> {
     timeline.standings.iter().find(|s| s.taken_by.is_some_and(|hold| timeline.holds[hold].pair == pair))
 }
@@ -108,7 +116,8 @@ fn solid(script: &Script, object: ObjectId) -> Solid {
     Solid::new(&script.problem.movable[object.index()].body)
 }
 
-fn gap(script: &Script, first: &Standing, second: &Standing) -> f64 {
+/// Least distance of two standing objects (m); not positive if they would touch.
+pub(crate) fn gap(script: &Script, first: &Standing, second: &Standing) -> f64 {
     let [a, b] = [first, second].map(|standing| solid(script, standing.object));
     let (at, other_at) = (first.world_from_object * a.owner_from_shape, second.world_from_object * b.owner_from_shape);
     a.certified_gap(&at, &b, &other_at)

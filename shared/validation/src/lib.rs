@@ -22,6 +22,7 @@ mod points;
 mod precedence;
 #[cfg(test)]
 mod random;
+mod removal;
 mod script;
 mod section;
 mod solid;
@@ -56,6 +57,7 @@ pub fn check_plan(problem: &Problem, plan: &Plan) -> Result<Verdict, Vec<Violati
         let points = Points::compute(&script, &mut wrong);
         contact::check(&script, &timeline, &mut wrong);
         ordering::check(&script, &points, &mut wrong);
+        removal::check(&script, &timeline, &mut wrong);
         goal::check_goal(&script, &timeline, &mut wrong);
         goal::check_makespan(&script, &points, &mut wrong);
         clearance::check(&script, &timeline, &mut verdict, &mut wrong);

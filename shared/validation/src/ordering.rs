@@ -1,8 +1,9 @@
-//! Rule V9: orderings between points.
+//! Rule V9: orderings between points, and, if the problem gates actions, between the actions that they belong to.
 
 use model::{ObjectId, PairId, Point};
 
 use crate::points::Points;
+use crate::precedence::gates;
 use crate::script::Script;
 use crate::violation::{Rule, Violation};
 
@@ -17,6 +18,9 @@ type Ordering = ((PairId, Point), (PairId, Point), &'static str);
 pub(crate) fn check(script: &Script, points: &Points, wrong: &mut Vec<Violation>) {
     let mut orderings = implied(script);
     orderings.extend(script.problem.orderings.iter().map(|given| (given.before, given.after, "given by the problem")));
+    let gates: Vec<Ordering> =
+        gates(script.problem).map(|(before, after)| (before, after, "gate of actions")).collect();
+    orderings.extend(gates);
     for (i, listed) in script.plan.orderings.iter().enumerate() {
         match (script.pair_id(&listed.before.pair), script.pair_id(&listed.after.pair)) {
             (Some(before), Some(after)) => {

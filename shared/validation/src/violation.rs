@@ -19,10 +19,10 @@ pub enum Rule {
     V7,
     /// An object is in one hand at a time.
     V8,
-    /// Orderings between points, strict by at least 1 ns.
+    /// Orderings between points, strict by at least 1 ns; where the problem wants them, the gates of actions and completed removals.
     V9,
-    /// Dependency arcs: valid, kept by the plan's own times, free of cycles. (The segment gates that other texts number
-    /// 10 are orderings on `done` and `at_pick` here, hence part of V9.)
+    /// Dependency arcs: valid, kept by the plan's own times, free of cycles. (The gates of actions, which other texts
+    /// number 10, are orderings on `done` and `at_pick`, hence part of V9.)
     V10,
     /// No two bodies meet at any instant, between knots included.
     V11,

@@ -3,7 +3,7 @@
 use contract::Interrupted;
 use model::Point;
 use plan::{Event as PlanEvent, EventKind, Origin, PairPoint, PlanOrdering};
-use skeleton::Event;
+use skeleton::{ArcOrigin, Event};
 
 use super::trajectory::Knots;
 use super::{AssembleJob, Retimed, pose_of};
@@ -48,7 +48,7 @@ impl AssembleJob<'_> {
         Ok(events)
     }
 
-    /// Given orderings, the hops of objects, and what the geometry forces.
+    /// Given orderings, the hops of objects, the gates that the problem puts on them, and what the geometry forces.
     pub fn orderings(&self) -> Vec<PlanOrdering> {
         let problem = self.scene.problem();
         let point = |event: Event| PairPoint { pair: problem.pair(event.pair).name.clone(), point: event.point };
@@ -61,9 +61,14 @@ impl AssembleJob<'_> {
             .hops
             .iter()
             .flat_map(|hops| hops.windows(2).map(|pair| (Event::release(pair[0]), Event::grasp(pair[1]))));
+        let listed: Vec<(Event, Event)> = given.chain(hops).collect();
+        let of_problem = self.scene.skeleton.graph.arcs().iter().filter(|arc| arc.origin != ArcOrigin::Robot);
+        let gates: Vec<(Event, Event)> =
+            of_problem.map(|arc| (arc.before, arc.after)).filter(|ends| !listed.contains(ends)).collect();
         let (origin, cause) = (Origin::Given, None);
-        let mut orderings: Vec<PlanOrdering> = given
-            .chain(hops)
+        let mut orderings: Vec<PlanOrdering> = listed
+            .into_iter()
+            .chain(gates)
             .map(|(before, after)| PlanOrdering {
                 before: point(before),
                 after: point(after),

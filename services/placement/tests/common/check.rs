@@ -1,7 +1,7 @@
 //! Whether a candidate is what it should be, from its poses and orders alone. Boxes only.
 
 use contract::PlacementCandidate;
-use model::{ObjectId, Point, Pose, Problem, Shape};
+use model::{ObjectId, Point, Pose, Problem, Removal, Shape};
 use skeleton::{ArcOrigin, Event, EventGraph};
 
 /// A pose with the events that begin and end it.
@@ -24,7 +24,7 @@ pub fn assert_sound(problem: &Problem, candidate: &PlacementCandidate) {
     let without = |left_out: Option<usize>| {
         let mut graph = EventGraph::of_problem(problem).unwrap();
         for (i, order) in candidate.orders.iter().enumerate().filter(|(i, _)| Some(*i) != left_out) {
-            assert_eq!((order.before.point, order.after.point), (Point::Grasp, Point::Release), "order {i}");
+            assert_eq!((order.before.point, order.after.point), (leaving(problem), Point::Release), "order {i}");
             graph.add(order.before, order.after, ArcOrigin::Discovered).unwrap();
         }
         graph
@@ -33,6 +33,10 @@ pub fn assert_sound(problem: &Problem, candidate: &PlacementCandidate) {
     for left_out in 0..candidate.orders.len() {
         assert!(clashes(problem, &without(Some(left_out)), &stays) > 0, "order {left_out} is not needed");
     }
+}
+
+fn leaving(problem: &Problem) -> Point {
+    if problem.settings.removal == Removal::Grasp { Point::Grasp } else { Point::Release }
 }
 
 fn stays(problem: &Problem, candidate: &PlacementCandidate) -> Vec<Stay> {
@@ -46,7 +50,7 @@ fn stays(problem: &Problem, candidate: &PlacementCandidate) -> Vec<Stay> {
                 object,
                 world_from_object: if i == 0 { movable.world_from_start } else { pose(i - 1) },
                 comes: i.checked_sub(1).map(|i| Event::release(hops[i])),
-                leaves: hops.get(i).map(|pair| Event::grasp(*pair)),
+                leaves: hops.get(i).map(|pair| Event::new(*pair, leaving(problem))),
             });
         }
     }

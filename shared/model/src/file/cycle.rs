@@ -30,8 +30,9 @@ pub(crate) fn refuse_cycle(
     file: &[At<OrderingFile>],
     pairs: &Pairs,
     orderings: &[GivenOrdering],
+    gated: &dyn Fn(GivenOrdering) -> Option<GivenOrdering>,
 ) -> Found<()> {
-    let arcs = arcs(pairs, orderings);
+    let arcs = arcs(pairs, orderings, gated);
     let Some(cycle) = find_cycle(&arcs) else { return Ok(()) };
     let step = |(event, why): &(usize, Why)| {
         let (pair, point) = (&pairs.pairs[event / 7], Point::ALL[event % 7]);
@@ -55,7 +56,11 @@ fn event(pair: PairId, point: Point) -> usize {
     pair.index() * 7 + point as usize
 }
 
-fn arcs(pairs: &Pairs, orderings: &[GivenOrdering]) -> Vec<Vec<Arc>> {
+fn arcs(
+    pairs: &Pairs,
+    orderings: &[GivenOrdering],
+    gated: &dyn Fn(GivenOrdering) -> Option<GivenOrdering>,
+) -> Vec<Vec<Arc>> {
     let count = pairs.pairs.len();
     let mut arcs: Vec<Vec<Arc>> = (0..count * 7).map(|_| Vec::new()).collect();
     let mut add = |from: usize, to: usize, why: Why| arcs[from].push(Arc { to, why });
@@ -67,15 +72,21 @@ fn arcs(pairs: &Pairs, orderings: &[GivenOrdering]) -> Vec<Vec<Arc>> {
             add(event(PairId::at(pair), Point::Done), event(PairId::at(pair + 1), Point::Start), Why::Robot);
         }
     }
+    let mut add_gated = |ordering: GivenOrdering, why: Why| {
+        for GivenOrdering { before, after } in [Some(ordering), gated(ordering)].into_iter().flatten() {
+            add(event(before.0, before.1), event(after.0, after.1), why);
+        }
+    };
     let mut hops: Vec<usize> = (0..count).collect();
     hops.sort_by_key(|pair| (pairs.pairs[*pair].object, pairs.pairs[*pair].hop));
     for two in hops.windows(2) {
         if pairs.pairs[two[0]].object == pairs.pairs[two[1]].object {
-            add(event(PairId::at(two[0]), Point::Release), event(PairId::at(two[1]), Point::Grasp), Why::Hop);
+            let (before, after) = ((PairId::at(two[0]), Point::Release), (PairId::at(two[1]), Point::Grasp));
+            add_gated(GivenOrdering { before, after }, Why::Hop);
         }
     }
     for (index, ordering) in orderings.iter().enumerate() {
-        add(event(ordering.before.0, ordering.before.1), event(ordering.after.0, ordering.after.1), Why::Given(index));
+        add_gated(*ordering, Why::Given(index));
     }
     arcs
 }

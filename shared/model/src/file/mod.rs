@@ -22,7 +22,7 @@ mod words;
 use std::collections::BTreeSet;
 
 use crate::problem_error::{FindingKind, Findings, Found, ProblemError, Source, Span};
-use crate::{Files, FixedObject, GivenOrdering, MovableObject, Places, Problem, Region, Robot, Settings};
+use crate::{Files, FixedObject, Gate, GivenOrdering, MovableObject, Places, Problem, Region, Robot, Settings};
 
 pub(crate) use names::did_you_mean;
 pub(crate) use numbers::GREATEST;
@@ -59,7 +59,7 @@ pub fn load_problem_with_places(files: &dyn Files, path: &str) -> Result<(Proble
     let settings = settings::settings(&source, file.settings.as_ref())?;
     let levels = settings::levels(&source, file.levels.as_ref())?;
     let mut scene = scene(files, &source, &file, &settings)?;
-    let (pairs, orderings) = task(&source, &file, &scene)?;
+    let (pairs, orderings) = task(&source, &file, &scene, settings.gate)?;
     grasps(&source, &file, &pairs, &mut scene)?;
     supports(&source, &file, &pairs, &mut scene, &settings)?;
     let stem = path.rsplit('/').next().unwrap_or(path);
@@ -168,12 +168,18 @@ fn scene(files: &dyn Files, source: &Source, file: &ProblemFile, settings: &Sett
 }
 
 /// Pairs with their hops, and orderings that do not contradict them.
-fn task(source: &Source, file: &ProblemFile, scene: &Scene) -> Result<(task::Pairs, Vec<GivenOrdering>), ProblemError> {
+fn task(
+    source: &Source,
+    file: &ProblemFile,
+    scene: &Scene,
+    gate: Gate,
+) -> Result<(task::Pairs, Vec<GivenOrdering>), ProblemError> {
     let nouns = task::Nouns::of(&scene.robots, &scene.movable, &scene.regions);
     let mut pairs = task::pairs(source, &file.task, &nouns, MAX_PAIRS)?;
     let orderings = task::orderings(source, &file.orderings, &pairs)?;
     task::hops(source, &mut pairs, &nouns, &orderings)?;
-    cycle::refuse_cycle(source, &file.orderings, &pairs, &orderings)?;
+    let gated = |ordering: GivenOrdering| ordering.gated(gate, &pairs.pairs, &scene.robots);
+    cycle::refuse_cycle(source, &file.orderings, &pairs, &orderings, &gated)?;
     Ok((pairs, orderings))
 }
 

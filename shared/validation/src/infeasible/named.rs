@@ -3,6 +3,7 @@
 use model::{FixedId, ObjectId, Pair, PairId, Point, Problem, RegionId, RobotId};
 use plan::{PairEnd, PairPoint, Stay};
 
+use crate::irredundant::leaving;
 use crate::precedence::At;
 
 /// Finds the entry with this name.
@@ -76,7 +77,7 @@ pub(crate) struct Occupation {
     pub(crate) placed_by: Option<PairId>,
     /// When it begins; none: at the start.
     pub(crate) comes: Option<At>,
-    /// When it ends; none: never.
+    /// When it leaves its place to others; none: never.
     pub(crate) leaves: Option<At>,
 }
 
@@ -93,6 +94,6 @@ impl Occupation {
             }
         };
         let comes = placed_by.map(|pair| (pair, Point::Release));
-        Ok(Self { object, placed_by, comes, leaves: hops.get(next).map(|pair| (*pair, Point::Grasp)) })
+        Ok(Self { object, placed_by, comes, leaves: hops.get(next).map(|pair| (*pair, leaving(problem))) })
     }
 }

@@ -5,7 +5,7 @@ use plan::{Cover, CycleArc, CycleOrigin, Exclusion, PairPoint};
 
 use crate::infeasible::named::{self, Occupation};
 use crate::infeasible::room::check_crowd;
-use crate::precedence::{At, Precedence};
+use crate::precedence::{At, Precedence, gates};
 
 /// Most steps of the search for an order that no listed contradiction forbids.
 const MOST_STEPS: u64 = 1_000_000;
@@ -84,8 +84,8 @@ fn clause(problem: &Problem, ways: &[Ways], arcs: &[CycleArc]) -> Result<Vec<(us
         let ends = (named::point(problem, &arc.before)?, named::point(problem, &arc.after)?);
         let holds = match arc.origin {
             CycleOrigin::Robot => of_robot(problem, ends),
-            CycleOrigin::Object => of_object(problem, ends),
-            CycleOrigin::Given => problem.orderings.iter().any(|given| (given.before, given.after) == ends),
+            CycleOrigin::Object => of_object(problem, ends) || gates(problem).any(|gate| gate == ends),
+            CycleOrigin::Given => of_list(problem, ends) || gates(problem).any(|gate| gate == ends),
             CycleOrigin::Excluded { exclusion } => {
                 let index = exclusion as usize;
                 let way = ways.get(index).and_then(|ways| ways.iter().position(|way| *way == Some(ends)));
@@ -107,6 +107,10 @@ fn of_robot(problem: &Problem, (before, after): (At, At)) -> bool {
         (Some(before), Some(after)) => before < after,
         _ => false,
     }
+}
+
+fn of_list(problem: &Problem, ends: (At, At)) -> bool {
+    problem.orderings.iter().any(|given| (given.before, given.after) == ends)
 }
 
 fn of_object(problem: &Problem, (before, after): (At, At)) -> bool {

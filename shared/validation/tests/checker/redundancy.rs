@@ -164,3 +164,33 @@ fn what_is_called_given_must_be_given() {
     plan.orderings[0] = given;
     rejected(&problem, &plan, Rule::V15);
 }
+
+#[test]
+fn where_removals_have_to_be_completed_nothing_is_placed_while_what_stood_there_is_carried_away() {
+    let cases = [(-0.2, 0.0, false), (-1e-3, 0.0, false), (0.0, 0.0, false), (1e-3, 0.0, true), (-0.2, 0.064, true)];
+    for (late, beside, kept) in cases {
+        let (mut problem, mut plan) = replacement(beside);
+        plan.orderings.clear();
+        // The old object is held over the second robot's home until the new one has nearly come.
+        let detach =
+            |robot: &str| plan.events.iter().find(|e| e.robot == robot && e.kind == EventKind::Detach).unwrap();
+        let (released, placed) = (detach("g2"), detach("g1").t);
+        let retracts = plan.robots[1].segments.iter().filter(|segment| segment.kind == SegmentKind::Retract);
+        let carry = retracts.map(|segment| segment.to).filter(|knot| *knot < released.knot).max().unwrap();
+        let dt = placed - late - released.t;
+        crate::mutations::shift(&mut plan, 1, carry + 1, dt);
+        accepted(&problem, &plan);
+        problem.settings.removal = model::Removal::Completed;
+        let broken = crate::fixture::rules(&problem, &plan);
+        assert_eq!(broken, if kept { vec![] } else { vec![Rule::V9] }, "{late} {beside}");
+    }
+}
+
+#[test]
+fn where_removals_have_to_be_completed_orderings_name_the_release() {
+    let (mut problem, mut plan) = replacement(0.0);
+    problem.settings.removal = model::Removal::Completed;
+    rejected(&problem, &plan, Rule::V15);
+    plan.orderings[0].before.point = Point::Release;
+    accepted(&problem, &plan);
+}

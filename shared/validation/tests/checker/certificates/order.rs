@@ -314,3 +314,49 @@ fn an_object_that_fits_at_no_yaw_is_accepted_as_proof_and_one_that_fits_at_a_sla
     round.movable[0].body.shape = Shape::Cylinder { radius: 0.0499, length: 0.1 };
     refused(&round, &certificate, "fits into B");
 }
+
+/// Two robots shall swap two objects between two places for one each.
+fn swap_of_two() -> (Problem, Certificate) {
+    let (mut problem, _) = swap();
+    let [a, b] = [problem.pairs[0].from, problem.pairs[0].to];
+    let mut of_two = robots(2);
+    (of_two.regions, of_two.fixed) = (problem.regions.clone(), problem.fixed.clone());
+    std::mem::swap(&mut of_two.movable, &mut problem.movable);
+    let [x, y] = [0, 1].map(model::ObjectId::at);
+    add_pair(&mut of_two, 0, x, a, b);
+    add_pair(&mut of_two, 1, y, b, a);
+    of_two.settings.removal = model::Removal::Completed;
+    let certificate = Certificate::Cycle {
+        exclusions: vec![
+            exclusion("A", cover("x", None), cover("y", Some("g2.1"))),
+            exclusion("B", cover("y", None), cover("x", Some("g1.1"))),
+        ],
+        cycles: vec![vec![
+            arc(("g1.1", Point::Release), ("g2.1", Point::Release), EXCLUDED),
+            arc(("g2.1", Point::Release), ("g1.1", Point::Release), CycleOrigin::Excluded { exclusion: 1 }),
+        ]],
+    };
+    (of_two, certificate)
+}
+
+#[test]
+fn two_robots_cannot_swap_where_removals_have_to_be_completed_and_can_where_not() {
+    let (mut problem, certificate) = swap_of_two();
+    proven(&problem, &certificate);
+    problem.settings.removal = model::Removal::Grasp;
+    refused(&problem, &certificate, "need not come before");
+}
+
+#[test]
+fn gates_of_actions_are_arcs_of_cycles_only_where_the_problem_has_them() {
+    let (mut problem, mut certificate) = contradiction();
+    let [brings, clears] = [0, 1].map(model::PairId::at);
+    problem.orderings = vec![GivenOrdering { before: (brings, Point::Release), after: (clears, Point::Carry) }];
+    let gate = arc(("g1.1", Point::Done), ("g2.1", Point::Grasp), CycleOrigin::Given);
+    let to_done = arc(("g1.1", Point::Release), ("g1.1", Point::Done), CycleOrigin::Robot);
+    let excluded = arc(("g2.1", Point::Grasp), ("g1.1", Point::Release), EXCLUDED);
+    cycles(&mut certificate).1[0] = vec![to_done, gate, excluded];
+    refused(&problem, &certificate, "need not come before");
+    problem.settings.gate = model::Gate::Action;
+    proven(&problem, &certificate);
+}

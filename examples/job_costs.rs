@@ -96,6 +96,7 @@ fn tell(job: &Job, outcome: &Outcome) {
         }
         Composition::Drrt { prefix, .. } => format!("dRRT* from {}", if prefix.is_some() { "half way" } else { "0 s" }),
         Composition::Assemble { .. } => "assembled".to_owned(),
+        Composition::Synchronous { .. } => "scheduled in rounds".to_owned(),
     };
     match &outcome.result {
         Ok(Answer::Committed { event_s, tail_s, .. }) => println!("  {what}: {event_s:.2} s, tail {tail_s:.2} s"),
@@ -116,6 +117,7 @@ fn kind(job: &Job) -> &'static str {
             Composition::CommitMode { .. } => "4 commit",
             Composition::Drrt { .. } => "4 dRRT*",
             Composition::Assemble { .. } => "4 assemble",
+            Composition::Synchronous { .. } => "4 rounds",
         },
     }
 }

@@ -1,4 +1,5 @@
-//! `mrtamp bench`: plans one problem with several seeds, each in a fresh program, and prints the figures.
+//! `mrtamp bench`: plans one problem with several seeds, each in a fresh program, and prints the figures; with several
+//! composite methods, also a comparison of these over the same seeds.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -10,7 +11,7 @@ use serde_json::Value;
 use crate::packages::PackageArgs;
 use crate::plan_command::{Composite, MergedSteps};
 use crate::search_args::SearchArgs;
-use crate::{bench_merged, exit};
+use crate::{bench_comparison, bench_merged, exit};
 
 /// Arguments of `mrtamp bench`.
 #[derive(Args, Debug)]
@@ -26,16 +27,16 @@ pub struct BenchArgs {
     /// Plan in one process, by direct calls.
     #[arg(long)]
     pub in_process: bool,
-    /// How composite motion is searched for.
-    #[arg(long, value_enum, default_value_t)]
-    pub composite: Composite,
+    /// How composite motion is searched for. Given several times, the methods are compared, all others with the first.
+    #[arg(long, value_enum, default_values_t = [Composite::default()])]
+    pub composite: Vec<Composite>,
     /// Which of the paper's steps are done as one. Given once or more, all those are compared, with and without causes.
     #[arg(long, value_enum)]
     pub merge: Vec<MergedSteps>,
     /// Seconds after which a search is ended.
     #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
     pub time_limit: f64,
-    /// Folder for the plans, one subfolder for each seed.
+    /// Folder for the plans, one subfolder for each method and seed.
     #[arg(long, value_name = "DIR", default_value = "mrtamp-out/bench")]
     pub out: PathBuf,
     /// What the search does when a stage fails, and how much it may work.
@@ -48,6 +49,7 @@ pub struct BenchArgs {
 
 /// One run.
 pub(crate) struct Row {
+    pub(crate) method: Composite,
     pub(crate) seed: u64,
     pub(crate) solved: bool,
     pub(crate) refused: bool,
@@ -60,6 +62,18 @@ pub(crate) struct Row {
     pub(crate) report: Value,
 }
 
+impl Row {
+    #[cfg(test)]
+    pub(crate) fn for_test(method: Composite, seed: u64, report: Value) -> Self {
+        Self { method, seed, solved: true, refused: false, elapsed_s: 1.0, cpu_s: 1.0, placements: 1, hops: 0, report }
+    }
+
+    /// A figure of the plan, if there is one.
+    pub(crate) fn figure(&self, key: &str) -> Option<f64> {
+        self.report["plan"][key].as_f64()
+    }
+}
+
 /// Plans with every seed and prints a table, medians and worst cases.
 ///
 /// # Errors
@@ -69,37 +83,62 @@ pub fn run(args: &BenchArgs) -> miette::Result<ExitCode> {
         return bench_merged::run(args);
     }
     let mut rows = Vec::new();
-    println!("{:>6} {:>9} {:>9} {:>10} {:>10} {:>6}  end", "seed", "time s", "cpu s", "task s", "bound s", "arcs");
+    println!(
+        "{:>6} {:>11} {:>9} {:>9} {:>10} {:>10} {:>10} {:>6}  end",
+        "seed", "method", "time s", "cpu s", "task s", "total s", "bound s", "arcs"
+    );
     for seed in args.first_seed..args.first_seed + args.seeds {
-        let row = plan_once(args, seed, &args.out.join(format!("seed{seed}")), &[])?;
-        let number = |key: &str| row.report["plan"][key].as_f64().map_or("-".to_owned(), |x| format!("{x:.2}"));
-        let end = row.report["result"].as_str().unwrap_or(if row.refused { "refused" } else { "fault" });
-        println!(
-            "{:>6} {:>9.2} {:>9.2} {:>10} {:>10} {:>6}  {end}",
-            row.seed,
-            row.elapsed_s,
-            row.cpu_s,
-            number("task_s"),
-            number("lower_bound_s"),
-            row.report["plan"]["arcs"].as_u64().map_or("-".to_owned(), |n| n.to_string()),
-        );
-        rows.push(row);
+        for method in &args.composite {
+            let row = plan_once(args, *method, seed, &args.out.join(method.name()).join(format!("seed{seed}")), &[])?;
+            print_row(&row);
+            rows.push(row);
+        }
     }
-    print_totals(&rows);
+    for method in &args.composite {
+        println!("\n{}", method.name());
+        print_totals(&rows.iter().filter(|row| row.method == *method).collect::<Vec<_>>());
+    }
+    if let [first, others @ ..] = args.composite.as_slice()
+        && !others.is_empty()
+    {
+        print!("\n{}", bench_comparison::comparison(*first, others, &rows));
+    }
     let all = rows.iter().all(|row| row.solved);
     Ok(ExitCode::from(if all { exit::SOLVED } else { exit::EXHAUSTED }))
+}
+
+fn print_row(row: &Row) {
+    let number = |key: &str| row.figure(key).map_or("-".to_owned(), |x| format!("{x:.2}"));
+    let end = row.report["result"].as_str().unwrap_or(if row.refused { "refused" } else { "fault" });
+    println!(
+        "{:>6} {:>11} {:>9.2} {:>9.2} {:>10} {:>10} {:>10} {:>6}  {end}",
+        row.seed,
+        row.method.name(),
+        row.elapsed_s,
+        row.cpu_s,
+        number("task_s"),
+        number("total_s"),
+        number("lower_bound_s"),
+        row.report["plan"]["arcs"].as_u64().map_or("-".to_owned(), |n| n.to_string()),
+    );
 }
 
 /// Plans once, in a fresh program, with `more` arguments.
 ///
 /// # Errors
 /// When the program cannot start itself.
-pub(crate) fn plan_once(args: &BenchArgs, seed: u64, out: &Path, more: &[&str]) -> miette::Result<Row> {
+pub(crate) fn plan_once(
+    args: &BenchArgs,
+    method: Composite,
+    seed: u64,
+    out: &Path,
+    more: &[&str],
+) -> miette::Result<Row> {
     let program = std::env::current_exe().into_diagnostic()?;
     let mut command = Command::new(program);
     command.arg("plan").args(&args.problem).args(["--json", "--seed", &seed.to_string()]).arg("--out").arg(out);
     command.args(["--time-limit", &args.time_limit.to_string()]);
-    command.args(["--composite", args.composite.name()]);
+    command.args(["--composite", method.name()]);
     command.args(args.search.to_arguments()).args(more);
     command.args(args.packages.to_arguments());
     if args.in_process {
@@ -113,6 +152,7 @@ pub(crate) fn plan_once(args: &BenchArgs, seed: u64, out: &Path, more: &[&str]) 
         eprintln!("seed {seed}: {}", String::from_utf8_lossy(&ended.stderr).trim_end());
     }
     Ok(Row {
+        method,
         seed,
         solved: ended.status.success(),
         refused,
@@ -145,13 +185,13 @@ fn children_cpu_s() -> f64 {
         .map_or(f64::NAN, |usage| seconds(usage.user_time()) + seconds(usage.system_time()))
 }
 
-fn print_totals(rows: &[Row]) {
+fn print_totals(rows: &[&Row]) {
     let solved = rows.iter().filter(|row| row.solved).count();
     let refused = rows.iter().filter(|row| row.refused).count();
     println!("solved {solved} of {}, refused by the checker {refused}", rows.len());
     print_spread("time s", rows.iter().map(|row| row.elapsed_s).collect());
     print_spread("cpu s", rows.iter().map(|row| row.cpu_s).collect());
-    print_spread("task makespan s", rows.iter().filter_map(|row| row.report["plan"]["task_s"].as_f64()).collect());
+    print_spread("task makespan s", rows.iter().filter_map(|row| row.figure("task_s")).collect());
     for stage in contract::StageKind::ALL {
         let of_stage = |key: &str| -> Vec<f64> {
             let stages = rows.iter().filter_map(|row| row.report["stages"].as_array()).flatten();

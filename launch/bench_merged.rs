@@ -53,7 +53,8 @@ fn plan_all(args: &BenchArgs, merge: MergedSteps, causes: bool) -> miette::Resul
     }
     let folder = args.out.join(format!("merge_{}", merge.name())).join(if causes { "causes" } else { "no_causes" });
     let seeds = args.first_seed..args.first_seed + args.seeds;
-    seeds.map(|seed| plan_once(args, seed, &folder.join(format!("seed{seed}")), &more)).collect()
+    let method = args.composite.first().copied().unwrap_or_default();
+    seeds.map(|seed| plan_once(args, method, seed, &folder.join(format!("seed{seed}")), &more)).collect()
 }
 
 /// One line of the table.
@@ -107,7 +108,17 @@ mod tests {
             let result = if solved { "solved" } else { "limit_reached" };
             let stages = json!([{"stage": "roadmap", "jobs": work / 10, "work": work}]);
             let (report, elapsed_s, hops) = (json!({"result": result, "stages": stages}), seed as f64, seed as usize);
-            Row { seed, solved, refused: false, elapsed_s, cpu_s: 0.0, placements: 1, hops, report }
+            Row {
+                method: crate::plan_command::Composite::Prioritised,
+                seed,
+                solved,
+                refused: false,
+                elapsed_s,
+                cpu_s: 0.0,
+                placements: 1,
+                hops,
+                report,
+            }
         };
         let line = line(MergedSteps::OneToThree, false, &[row(1, true, 70), row(3, false, 90), row(2, true, 80)]);
         let words: Vec<&str> = line.split_whitespace().collect();

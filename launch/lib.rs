@@ -3,6 +3,7 @@
 //! It is a library so that the integration tests can start sets with stages of their own.
 
 pub mod bench_command;
+mod bench_comparison;
 mod bench_merged;
 pub mod check_command;
 pub mod ending;

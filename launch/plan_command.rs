@@ -64,13 +64,19 @@ pub struct PlanArgs {
 }
 
 /// How composite motion is searched for.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Composite {
     /// Mode by mode with safe tails; the composite search where that fails.
     #[default]
     Prioritised,
     /// The paper's multi-modal dRRT* alone.
     Drrt,
+    /// In rounds, for comparison: as many robots as can, one mode each, then all wait.
+    SyncGreedy,
+    /// In rounds, for comparison: the shortest sequence of rounds.
+    SyncOpt,
+    /// The shorter of `prioritised` and the motion of `sync-opt` without its waits.
+    Shorter,
 }
 
 impl Composite {
@@ -80,6 +86,9 @@ impl Composite {
         match self {
             Composite::Prioritised => "prioritised",
             Composite::Drrt => "drrt",
+            Composite::SyncGreedy => "sync-greedy",
+            Composite::SyncOpt => "sync-opt",
+            Composite::Shorter => "shorter",
         }
     }
 }
@@ -89,6 +98,9 @@ impl From<Composite> for CompositeMethod {
         match composite {
             Composite::Prioritised => Self::Prioritised,
             Composite::Drrt => Self::Drrt,
+            Composite::SyncGreedy => Self::SyncGreedy,
+            Composite::SyncOpt => Self::SyncOpt,
+            Composite::Shorter => Self::Shorter,
         }
     }
 }

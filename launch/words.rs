@@ -30,6 +30,11 @@ pub fn decision(problem: &Problem, decision: &Decision) -> String {
         Decision::Order(added) => format!("ordering {}", order(problem, added)),
         Decision::Drrt => "the composite search takes over".to_owned(),
         Decision::Hop { pair, sample, .. } => format!("place {sample} for {}", problem.pair(*pair).name),
+        Decision::Synchronous(_) => "rounds for all robots".to_owned(),
+        Decision::Round(modes) => {
+            let modes: Vec<String> = modes.iter().map(|id| mode(problem, *id)).collect();
+            format!("round: {}", modes.join(", "))
+        }
         Decision::More { stage, times } => format!("{stage} is asked again with {times} times as many samples"),
     }
 }

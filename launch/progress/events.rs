@@ -79,6 +79,13 @@ pub enum Event<'a> {
     },
     /// The composite search takes over.
     CompositeSearch,
+    /// A synchronous schedule is asked for.
+    Synchronous,
+    /// Modes of the next round of a synchronous schedule.
+    Round {
+        /// Modes, such as `r1.2 transfer`.
+        modes: Vec<String>,
+    },
     /// A combination of placements is excluded.
     Learnt {
         /// Why.
@@ -183,6 +190,10 @@ impl<'a> Event<'a> {
             Decision::Drrt => Self::CompositeSearch,
             Decision::Hop { pair, sample, orders } => {
                 Self::Hop { pair: &problem.pair(*pair).name, sample: *sample, orderings: orders.len() }
+            }
+            Decision::Synchronous(_) => Self::Synchronous,
+            Decision::Round(modes) => {
+                Self::Round { modes: modes.iter().map(|mode| words::mode(problem, *mode)).collect() }
             }
             Decision::More { stage, times } => Self::More { stage: *stage, times: *times },
         }

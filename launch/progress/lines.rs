@@ -69,6 +69,7 @@ fn subject(problem: &Problem, job: &Job) -> String {
             Composition::CommitMode { mode, .. } => format!("motion of {}", words::mode(problem, *mode)),
             Composition::Drrt { .. } => "composite search".to_owned(),
             Composition::Assemble { .. } => "retiming".to_owned(),
+            Composition::Synchronous { .. } => "synchronous schedule".to_owned(),
         },
     }
 }

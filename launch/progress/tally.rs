@@ -65,7 +65,13 @@ impl Tally {
             Ok(Answer::Hop { choices, .. }) => tally.answers += choices.len() as u64,
             Ok(Answer::Alternatives(list)) => tally.answers += list.len() as u64,
             Ok(Answer::Blocked(_)) => {}
-            Ok(Answer::Piece(_) | Answer::Mode { .. } | Answer::Committed { .. } | Answer::Plan { .. }) => {
+            Ok(
+                Answer::Piece(_)
+                | Answer::Mode { .. }
+                | Answer::Committed { .. }
+                | Answer::Plan { .. }
+                | Answer::Rounds { .. },
+            ) => {
                 tally.answers += 1;
             }
         }
@@ -137,7 +143,10 @@ fn reach(before: Option<Reached>, entry: &LedgerEntry) -> Option<Reached> {
             Some(Reached { candidates: so_far.candidates + 1, committed: 0, ..so_far })
         }
         LedgerEntry::Decided(Decision::Commit(_)) => Some(Reached { committed: so_far.committed + 1, ..so_far }),
-        LedgerEntry::Decided(Decision::Alternative { .. } | Decision::Order(_)) => {
+        LedgerEntry::Decided(Decision::Round(modes)) => {
+            Some(Reached { committed: so_far.committed.saturating_add(modes.len() as u32), ..so_far })
+        }
+        LedgerEntry::Decided(Decision::Alternative { .. } | Decision::Order(_) | Decision::Synchronous(_)) => {
             before.map(|reached| Reached { committed: 0, ..reached })
         }
         _ => before,

@@ -99,6 +99,16 @@ fn small_scenes_have_equal_bytes_by_direct_calls_channels_and_processes() {
 }
 
 #[test]
+fn plans_in_rounds_have_equal_bytes_by_direct_calls_and_over_processes() {
+    for (method, name) in [(CompositeMethod::SyncOpt, "sync-opt"), (CompositeMethod::SyncGreedy, "sync-greedy")] {
+        let expected = plan::write_plan(&certified(&scene("t05_tiny_region"), 0, method)).unwrap();
+        let again = plan::write_plan(&certified(&scene("t05_tiny_region"), 0, method)).unwrap();
+        assert!(again == expected, "{name}");
+        assert!(by_processes("t05_tiny_region", 0, &["--composite", name]) == expected, "{name} over processes");
+    }
+}
+
+#[test]
 fn figure_1_has_equal_bytes_over_every_transport_and_with_one_or_three_roadmap_workers() {
     let folder = tempfile::tempdir().unwrap();
     let one = launch_file_with(folder.path(), "stages: {roadmap: {replicas: 1}}\n");

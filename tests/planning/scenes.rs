@@ -1,6 +1,6 @@
 //! The ladder's scenes with their planted answers.
 
-use contract::CompositeMethod::{self, Drrt, Prioritised};
+use contract::CompositeMethod::{self, Drrt, Prioritised, Shorter, SyncGreedy, SyncOpt};
 use plan::{Cause, Origin, Plan};
 
 use crate::{certified, scene, try_plan};
@@ -39,6 +39,24 @@ fn t00_to_t05_are_planned_with_exactly_the_orderings_that_geometry_forces() {
 #[test]
 fn t00_to_t05_are_planned_by_the_composite_search_alone_with_the_same_orderings() {
     every_small_scene_is_planned(Drrt);
+}
+
+#[test]
+fn small_scenes_are_planned_in_rounds_with_the_same_orderings() {
+    every_small_scene_is_planned(SyncGreedy);
+    every_small_scene_is_planned(SyncOpt);
+}
+
+#[test]
+fn figure_1_takes_longer_in_rounds_and_the_optimal_choice_is_no_longer_than_the_greedy_one() {
+    let [free, greedy, best, shorter] =
+        [Prioritised, SyncGreedy, SyncOpt, Shorter].map(|composite| certified(&scene("figure1"), 0, composite));
+    // From the same placements, grasps, configurations and roadmaps.
+    assert!([&greedy, &best, &shorter].iter().all(|plan| plan.lower_bound == free.lower_bound));
+    assert!(shorter.makespan.task_s <= free.makespan.task_s.min(best.makespan.task_s));
+    let total_s = [free, best, greedy].map(|plan| plan.makespan.total_s);
+    assert!(total_s.is_sorted(), "{total_s:?}");
+    assert!(total_s[1] > total_s[0] + 1.0, "{total_s:?}");
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod prefix;
 pub mod scene;
 mod sipp;
 mod stage;
+mod synchronous;
 pub mod timeline;
 
 pub use conflict::{Conflicts, TimedMotion, TimedStanding, Travel};

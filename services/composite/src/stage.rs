@@ -4,6 +4,7 @@ use contract::{Composition, Interrupted, Job, JobContext, Outcome, ProblemStatem
 
 use crate::assemble::AssembleJob;
 use crate::commit::CommitJob;
+use crate::synchronous::SynchronousJob;
 use crate::{CompositeError, Scene, drrt};
 
 /// The paper's fourth step.
@@ -34,8 +35,11 @@ impl Stage for CompositeStage {
                 CommitJob { scene, assignment, prefix, mode, roadmap, next_roadmap, clear_of }.answer(context)
             }
             Composition::Drrt { prefix, roadmaps } => drrt::refine(scene, assignment, *prefix, roadmaps, context),
-            Composition::Assemble { prefix, shortest_s } => {
-                AssembleJob { scene, assignment, prefix: *prefix, shortest_s }.answer(context)
+            Composition::Assemble { prefix, shortest_s, rounds } => {
+                AssembleJob { scene, assignment, prefix: *prefix, shortest_s, rounds }.answer(context)
+            }
+            Composition::Synchronous { choice, roadmaps } => {
+                SynchronousJob { scene, assignment, choice: *choice, roadmaps }.answer(context)
             }
         }
     }

@@ -177,14 +177,18 @@ impl Timeline {
     /// When the last moving cell before a grasp or release begins (s), if it is committed.
     #[must_use]
     pub fn approach_s(&self, scene: &Scene, event: Event) -> Option<f64> {
-        let commitment = self.commitment_to(scene, event)?;
-        let Some(last) = commitment.moves.iter().rev().find(|step| step.from != step.to && step.ends_s > step.begins_s)
-        else {
-            return Some(commitment.moves.last().map_or(commitment.event_s, |stand| stand.begins_s));
-        };
-        let last = TimedMove::new(scene, commitment.mode.robot, commitment.holding, last);
-        Some(last.cell_times(last.travel.cells - 1).0)
+        self.commitment_to(scene, event).map(|commitment| approach_s(scene, commitment))
     }
+}
+
+/// When the last moving cell of a commitment begins (s).
+pub(crate) fn approach_s(scene: &Scene, commitment: &Commitment) -> f64 {
+    let Some(last) = commitment.moves.iter().rev().find(|step| step.from != step.to && step.ends_s > step.begins_s)
+    else {
+        return commitment.moves.last().map_or(commitment.event_s, |stand| stand.begins_s);
+    };
+    let last = TimedMove::new(scene, commitment.mode.robot, commitment.holding, last);
+    last.cell_times(last.travel.cells - 1).0
 }
 
 /// The robot that does a pair.

@@ -1,8 +1,8 @@
 //! Asking: outcomes committed to the ledger, work counted and limited, more samples where a stage's policy wants them.
 
 use contract::{
-    AskFault, Composition, Decision, Digest, FailureReport, Job, JobId, LedgerEntry, ModeJob, Outcome, ProductRef,
-    Request, StageKind, WorkKind,
+    AskFault, ComposeJob, Composition, Decision, Digest, FailureReport, Job, JobId, LedgerEntry, ModeJob, Outcome,
+    ProductRef, Request, StageKind, WorkKind,
 };
 use model::FailurePolicy;
 use plan::{Cause, StageCount};
@@ -64,7 +64,7 @@ impl Search<'_> {
     /// The first answer to a question that has failed, asked with ever more samples.
     fn ask_for_more(&mut self, job: &Job, report: &FailureReport) -> Result<Option<Outcome>, Halt> {
         let ran_out = |(cause, _): &(Cause, u64)| matches!(cause, Cause::Budget { .. });
-        if job.request.is_drrt() && !report.causes.iter().any(ran_out) {
+        if is_search_for_all(job) && !report.causes.iter().any(ran_out) {
             // It has seen everything; more of the same changes nothing.
             return Ok(None);
         }
@@ -167,7 +167,7 @@ fn is_whole_question(job: &Job) -> bool {
         Request::Compose(compose) => match compose.composition {
             Composition::CommitMode { .. } => false,
             Composition::Drrt { prefix, .. } => prefix.is_none(),
-            Composition::Assemble { .. } => true,
+            Composition::Assemble { .. } | Composition::Synchronous { .. } => true,
         },
         Request::Placement(_)
         | Request::Hop(_)
@@ -176,6 +176,12 @@ fn is_whole_question(job: &Job) -> bool {
         | Request::Piece(_)
         | Request::Mode(_) => true,
     }
+}
+
+/// Whether the job searches for the motion of all robots.
+fn is_search_for_all(job: &Job) -> bool {
+    let is_synchronous = |compose: &ComposeJob| matches!(compose.composition, Composition::Synchronous { .. });
+    job.request.is_drrt() || matches!(&job.request, Request::Compose(compose) if is_synchronous(compose))
 }
 
 fn raised(level: u32, doublings: u32) -> u32 {

@@ -25,7 +25,9 @@ impl<'a> Budgets<'a> {
             Request::Piece(_) | Request::Mode(_) => 50_000,
             Request::Compose(job) => match job.composition {
                 Composition::Drrt { .. } => self.expansions,
-                Composition::CommitMode { .. } | Composition::Assemble { .. } => 4_000_000,
+                Composition::CommitMode { .. } | Composition::Assemble { .. } | Composition::Synchronous { .. } => {
+                    4_000_000
+                }
             },
         };
         let budget = capped(self.options, &request, units << self.level.min(16));

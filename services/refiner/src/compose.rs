@@ -1,11 +1,13 @@
-//! Composite motion of one set of roadmaps: mode by mode with safe tails, then the composite search.
+//! Composite motion of one set of roadmaps: mode by mode with safe tails, then the composite search; or in rounds.
 
 use std::collections::BTreeSet;
 
 use contract::{
-    Answer, ComposeJob, CompositeMethod, Composition, Decision, Job, LedgerEntry, ProductRef, Request, StageKind,
+    Answer, ComposeJob, CompositeMethod, Composition, Decision, Job, LedgerEntry, ProductRef, Request, RoundChoice,
+    StageKind,
 };
 use model::PairId;
+use skeleton::ModeId;
 
 use crate::asking::misfit;
 use crate::candidate::{Candidate, Found, Modes};
@@ -16,16 +18,38 @@ use crate::search::Search;
 impl Candidate<'_> {
     /// A plan over the roadmaps.
     pub(crate) fn compose(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Found, Stuck> {
-        let prefix = match search.statement.composite {
-            CompositeMethod::Drrt => self.drrt(search, modes, None, self.all_pairs())?,
-            CompositeMethod::Prioritised => match self.commit_modes(search, modes)? {
-                Committed::All(prefix) => prefix,
-                Committed::Never(conflict) => return Err(Stuck::Failed(conflict)),
-                Committed::Part(prefixes, between) => self.drrt_from(search, modes, &prefixes, between)?,
-            },
+        match search.statement.composite {
+            CompositeMethod::Drrt => {
+                let prefix = self.drrt(search, modes, None, self.all_pairs())?;
+                self.assemble(search, modes, prefix, Vec::new())
+            }
+            CompositeMethod::Prioritised => self.prioritised(search, modes),
+            CompositeMethod::Shorter => self.shorter(search, modes),
+            CompositeMethod::SyncGreedy => self.in_rounds(search, modes, RoundChoice::Greedy),
+            CompositeMethod::SyncOpt => self.in_rounds(search, modes, RoundChoice::Optimal),
+        }
+    }
+
+    /// Mode by mode, with the composite search where that fails.
+    pub(crate) fn prioritised(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Found, Stuck> {
+        let prefix = match self.commit_modes(search, modes)? {
+            Committed::All(prefix) => prefix,
+            Committed::Never(conflict) => return Err(Stuck::Failed(conflict)),
+            Committed::Part(prefixes, between) => self.drrt_from(search, modes, &prefixes, between)?,
         };
+        self.assemble(search, modes, prefix, Vec::new())
+    }
+
+    /// The plan of a complete prefix, with rounds if it has any.
+    pub(crate) fn assemble(
+        &self,
+        search: &mut Search<'_>,
+        modes: &Modes,
+        prefix: ProductRef,
+        rounds: Vec<Vec<ModeId>>,
+    ) -> Result<Found, Stuck> {
         let shortest_s = modes.iter().map(|robot| robot.iter().map(|mode| mode.shortest_s).collect()).collect();
-        let job = self.compose_job(Composition::Assemble { prefix, shortest_s });
+        let job = self.compose_job(Composition::Assemble { prefix, shortest_s, rounds });
         match search.ask_one(&job)?.result {
             Ok(Answer::Plan { plan, makespan_s }) => Ok((plan, makespan_s)),
             Ok(_) => Err(misfit(StageKind::Composite).into()),
@@ -33,7 +57,7 @@ impl Candidate<'_> {
         }
     }
 
-    fn all_pairs(&self) -> BTreeSet<Choice> {
+    pub(crate) fn all_pairs(&self) -> BTreeSet<Choice> {
         (0..self.problem.pairs.len()).map(|pair| Choice::Alternative(PairId::at(pair))).collect()
     }
 
@@ -66,8 +90,7 @@ impl Candidate<'_> {
         mut between: BTreeSet<Choice>,
     ) -> Result<ProductRef, Stuck> {
         search.commit(LedgerEntry::Decided(Decision::Drrt));
-        let roadmaps = modes.iter().map(|robot| robot.iter().map(|mode| mode.roadmap).collect()).collect();
-        let job = self.compose_job(Composition::Drrt { prefix, roadmaps });
+        let job = self.compose_job(Composition::Drrt { prefix, roadmaps: roadmaps_of(modes) });
         match search.ask_one(&job)?.result {
             Ok(Answer::Committed { prefix, .. }) => Ok(prefix),
             Ok(_) => Err(misfit(StageKind::Composite).into()),
@@ -84,4 +107,9 @@ impl Candidate<'_> {
     pub(crate) fn compose_job(&self, composition: Composition) -> Job {
         self.budgets.job(Request::Compose(ComposeJob { assignment: self.assignment(), composition }))
     }
+}
+
+/// Roadmap of every mode of every robot.
+pub(crate) fn roadmaps_of(modes: &Modes) -> Vec<Vec<ProductRef>> {
+    modes.iter().map(|robot| robot.iter().map(|mode| mode.roadmap).collect()).collect()
 }

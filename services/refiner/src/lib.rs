@@ -16,6 +16,7 @@ mod more;
 mod orders;
 mod roadmaps;
 mod search;
+mod synchronous;
 
 use contract::{AskFault, AskStages, Ledger, LedgerEntry, ProblemStatement, ProductRef};
 use plan::{Cause, Certificate, ResultKind, StageCount};

@@ -209,7 +209,26 @@ pub enum Composition {
         prefix: ProductRef,
         /// Least time of each mode on its roadmap, for the lower bound (s).
         shortest_s: Vec<Vec<f64>>,
+        /// Modes round by round, if at the end of each round all robots of it wait for one another; empty: a robot waits
+        /// only where the motion of another forces it.
+        rounds: Vec<Vec<ModeId>>,
     },
+    /// A synchronous schedule of all modes: rounds, in each of which a robot does one whole mode or idles.
+    Synchronous {
+        /// How rounds are chosen.
+        choice: RoundChoice,
+        /// Roadmap of every mode of every robot.
+        roadmaps: Vec<Vec<ProductRef>>,
+    },
+}
+
+/// How the rounds of a synchronous schedule are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RoundChoice {
+    /// One after the other, as many robots as can.
+    Greedy,
+    /// Such that their lengths add up to the least.
+    Optimal,
 }
 
 impl Request {
@@ -263,6 +282,7 @@ impl Job {
                     prefix.iter().chain(roadmaps.iter().flatten()).copied().collect()
                 }
                 Composition::Assemble { prefix, .. } => vec![*prefix],
+                Composition::Synchronous { roadmaps, .. } => roadmaps.iter().flatten().copied().collect(),
             },
             Request::Placement(_)
             | Request::Hop(_)

@@ -5,7 +5,7 @@ use plan::Cause;
 use serde::{Deserialize, Serialize};
 use skeleton::{Event, ModeId};
 
-use crate::{Digest, DiscoveredOrder, JobId, Nogood, StageKind, WorkKind, encode_canonical};
+use crate::{Digest, DiscoveredOrder, JobId, Nogood, RoundChoice, StageKind, WorkKind, encode_canonical};
 
 /// A decision of the search.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +43,10 @@ pub enum Decision {
         /// Orderings added for it.
         orders: Vec<(Event, Event)>,
     },
+    /// All modes are left to the planner of synchronous schedules.
+    Synchronous(RoundChoice),
+    /// Modes of the next round of a synchronous schedule.
+    Round(Vec<ModeId>),
 }
 
 /// One line of the committed log.

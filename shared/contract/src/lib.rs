@@ -26,7 +26,7 @@ pub use codec::{CodecError, MAX_MESSAGE_BYTES, decode, encode, encode_canonical}
 pub use direct::DirectCalls;
 pub use job::{
     BlockersJob, ComposeJob, Composition, HopJob, Job, JobId, MOST_PLACEMENT_SAMPLES, ModeJob, Obstruction, PieceJob,
-    PieceSpec, PlacementJob, Request, TransitionJob,
+    PieceSpec, PlacementJob, Request, RoundChoice, TransitionJob,
 };
 pub use job_ids::JobIds;
 pub use ledger::{Decision, Ledger, LedgerEntry};

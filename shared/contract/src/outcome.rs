@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use model::PairId;
 use plan::{Cause, Certificate};
 use serde::{Deserialize, Serialize};
-use skeleton::{Event, Occupancy};
+use skeleton::{Event, ModeId, Occupancy};
 
 use crate::{Alternative, HopChoice, JobId, PlacementCandidate, ProductRef};
 
@@ -63,6 +63,15 @@ pub enum Answer {
         against: Vec<Occupancy>,
         /// What stands in the way of samples that are no choice, most frequent first.
         causes: Vec<(Cause, u64)>,
+    },
+    /// To `Synchronous`.
+    Rounds {
+        /// All modes committed.
+        prefix: ProductRef,
+        /// Modes of each round, in order of robots.
+        rounds: Vec<Vec<ModeId>>,
+        /// When the last round is over (s).
+        ends_s: f64,
     },
 }
 

@@ -16,6 +16,12 @@ pub enum CompositeMethod {
     Prioritised,
     /// Multi-modal dRRT* alone.
     Drrt,
+    /// In rounds, for comparison: in each one as many robots as can do a whole mode, all wait for the slowest.
+    SyncGreedy,
+    /// In rounds, for comparison: the shortest sequence of rounds.
+    SyncOpt,
+    /// The shorter of `Prioritised` and the motion of `SyncOpt` without its waits.
+    Shorter,
 }
 
 /// Which of the paper's steps are done as one, hop by hop: its ablations (Sec. IV).

@@ -1,5 +1,7 @@
-//! Assembles the plan of a complete prefix: waits taken out, arcs put in, earliest times, events, bound.
+//! Assembles the plan of a complete prefix: waits taken out, arcs put in, earliest times, events, bound. The plan of a
+//! synchronous schedule keeps its rounds: all arcs from one to the next are put in.
 
+mod barriers;
 mod bound;
 mod cells;
 mod check;
@@ -11,7 +13,7 @@ mod trajectory;
 use contract::{Answer, Assignment, CauseTally, Interrupted, JobContext, Outcome, Product, ProductRef};
 use model::{Point, RobotId, Standing};
 use plan::{Dependency, KnotRef, LowerBound, Makespan, PLAN_FORMAT, Plan, Provenance};
-use skeleton::{ArcOrigin, Event, EventGraph};
+use skeleton::{ArcOrigin, Event, EventGraph, ModeId};
 
 use crate::commit::Orders;
 use crate::{Scene, Timeline, load_prefix};
@@ -26,6 +28,7 @@ pub(crate) struct AssembleJob<'a> {
     pub assignment: &'a Assignment,
     pub prefix: ProductRef,
     pub shortest_s: &'a [Vec<f64>],
+    pub rounds: &'a [Vec<ModeId>],
 }
 
 /// Committed motion cut into cells, with its arcs and times.
@@ -51,7 +54,7 @@ impl AssembleJob<'_> {
         }
         let assignment = &needed::needed(self.scene, self.assignment, &timeline)?;
         let graph = self.scene.graph(assignment)?;
-        let retimed = retime(self.scene, assignment, &graph, &timeline)?;
+        let retimed = retime(self.scene, assignment, &graph, &timeline, self.rounds)?;
         let plan = AssembleJob { assignment, ..*self }.plan(&graph, &retimed)?;
         let makespan_s = plan.makespan.task_s;
         let bytes = plan::write_plan(&plan).map_err(|error| Interrupted::Unfit(error.to_string()))?;
@@ -124,10 +127,13 @@ pub(crate) fn retime(
     assignment: &Assignment,
     graph: &EventGraph,
     timeline: &Timeline,
+    rounds: &[Vec<ModeId>],
 ) -> Result<Retimed, Interrupted> {
     let robots = timeline.robots.iter().map(|robot| RobotCells::new(scene, robot));
     let robots: Vec<RobotCells> = robots.collect::<Result<_, _>>().map_err(Interrupted::Unfit)?;
-    let events = event_arcs(&Orders { scene, graph, timeline }, &robots)?;
+    let mut events = event_arcs(&Orders { scene, graph, timeline }, &robots)?;
+    events.extend(barriers::barriers(scene, &robots, rounds)?);
+    events.sort_unstable();
     let pose = |event| pose_of(scene, assignment, event).ok();
     let reasons = Reasons { conflicts: &scene.conflicts, pose_of: &pose, events };
     let arcs = arcs(&robots, &reasons);
@@ -153,7 +159,6 @@ fn event_arcs(orders: &Orders<'_>, robots: &[RobotCells]) -> Result<Vec<CellArc>
         }
         arcs.push(CellArc { before, after });
     }
-    arcs.sort_unstable();
     Ok(arcs)
 }
 

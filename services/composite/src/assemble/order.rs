@@ -50,7 +50,7 @@ pub(crate) struct Reasons<'a> {
     pub conflicts: &'a Conflicts,
     /// The standing pose that a grasp ends, or a release begins.
     pub pose_of: &'a dyn Fn(Event) -> Option<Standing>,
-    /// Orderings of events, as arcs between the cells that end with them.
+    /// Orderings of events, as arcs between the cells that end with them, and barriers between rounds; sorted.
     pub events: Vec<CellArc>,
 }
 

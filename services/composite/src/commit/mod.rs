@@ -14,8 +14,9 @@ use model::{Holding, Standing};
 use plan::Cause;
 use skeleton::{Mode, ModeId, Occupancy};
 
+pub(crate) use causes::causes_of;
 pub(crate) use gates::Orders;
-use moves::Mover;
+pub(crate) use moves::Mover;
 
 use crate::points::same_configuration;
 use crate::prefix::is_holding_of;
@@ -23,9 +24,9 @@ use crate::sipp::{Gates, ModeGraph, Search, Traffic};
 use crate::{Scene, Timeline, load_prefix};
 
 /// Time (s) for an event where the robot is already: it must come strictly after what it waits for.
-const INSTANT_S: f64 = 1e-6;
+pub(crate) const INSTANT_S: f64 = 1e-6;
 /// Gap in time (s) kept from motions that a placed object would be in the way of.
-const GAP_S: f64 = 2e-9;
+pub(crate) const GAP_S: f64 = 2e-9;
 
 /// What to commit, and what is known.
 pub(crate) struct CommitJob<'a> {
@@ -235,7 +236,7 @@ impl CommitJob<'_> {
         if let Some(for_ever) = self.for_ever_in_the_way(graph, next, traffic) {
             in_the_way = for_ever;
         }
-        Err(Unreached::Because(self.causes(mode, &in_the_way)))
+        Err(Unreached::Because(causes_of(self.scene, mode, &in_the_way)))
     }
 
     /// The traffic after the mode's event. An object that is grasped need not be taken out: who holds it does not hit it.

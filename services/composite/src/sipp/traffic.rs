@@ -69,13 +69,19 @@ pub(crate) struct Traffic<'a> {
 impl<'a> Traffic<'a> {
     pub fn new(conflicts: &'a Conflicts, timeline: &'a Timeline, robot: RobotId, since_s: f64) -> Self {
         let others = timeline.robots.iter().filter(|other| other.robot != robot);
-        Self {
-            conflicts,
-            others: others.map(|other| other.moves_after(since_s)).collect(),
-            standings: timeline.standings.iter().map(|(_, standing)| *standing).collect(),
-            since_s,
-            blame: RefCell::default(),
-        }
+        let others = others.map(|other| other.moves_after(since_s)).collect();
+        let standings = timeline.standings.iter().map(|(_, standing)| *standing).collect();
+        Self::among(conflicts, others, standings, since_s)
+    }
+
+    /// Others by their moves, each without gaps.
+    pub fn among(
+        conflicts: &'a Conflicts,
+        others: Vec<&'a [TimedMove]>,
+        standings: Vec<TimedStanding>,
+        since_s: f64,
+    ) -> Self {
+        Self { conflicts, others, standings, since_s, blame: RefCell::default() }
     }
 
     /// The object is put somewhere.

@@ -121,7 +121,8 @@ fn the_task_is_over_when_the_last_arm_is_folded_and_the_bound_holds() {
         vec![drive + hand, 2.0 * hand + 2.0 * drive, hand + 3.0 * drive],
         vec![3.0 * drive + hand, 2.0 * hand + 2.0 * drive, hand + 3.0 * drive],
     ];
-    let job = toy.job(Composition::Assemble { prefix: prefix.unwrap(), shortest_s: shortest_s.clone() });
+    let job =
+        toy.job(Composition::Assemble { prefix: prefix.unwrap(), shortest_s: shortest_s.clone(), rounds: vec![] });
     let Ok(Answer::Plan { plan, makespan_s }) = toy.ask(&job).unwrap().result else { panic!("no plan") };
     let contract::Product::Plan(bytes) = toy.get(plan) else { panic!("no plan") };
     let plan = plan::read_plan(&bytes).unwrap();

@@ -6,13 +6,13 @@ use crate::oracle::{Disc, overlap, robot_discs};
 use crate::toys::{Dice, Errand, OBJECT, Toy, World, random_world};
 
 /// An execution: when each robot reaches and leaves its knots (s).
-struct Execution {
-    reach: Vec<Vec<f64>>,
-    leave: Vec<Vec<f64>>,
+pub struct Execution {
+    pub reach: Vec<Vec<f64>>,
+    pub leave: Vec<Vec<f64>>,
 }
 
 /// Every robot lingers at its knots, and leaves each only when the arcs let it. `None` if arcs wait for one another.
-fn execute(plan: &Plan, arcs: &[Dependency], linger: &dyn Fn(usize, usize) -> f64) -> Option<Execution> {
+pub fn execute(plan: &Plan, arcs: &[Dependency], linger: &dyn Fn(usize, usize) -> f64) -> Option<Execution> {
     let index = |name: &str| plan.robots.iter().position(|robot| robot.name == name).unwrap();
     let mut execution =
         Execution { reach: vec![vec![0.0]; plan.robots.len()], leave: vec![Vec::new(); plan.robots.len()] };
@@ -79,7 +79,7 @@ impl Execution {
     }
 
     /// The first sampled time at which discs overlap.
-    fn meeting(&self, toy: &Toy, plan: &Plan) -> Option<(f64, (Disc, Disc))> {
+    pub fn meeting(&self, toy: &Toy, plan: &Plan) -> Option<(f64, (Disc, Disc))> {
         let samples = (self.end() / 0.02) as usize + 1;
         (0..=samples).map(|k| k as f64 * 0.02).find_map(|t| Some((t, overlap(&self.discs(toy, plan, t))?)))
     }

@@ -10,5 +10,6 @@ mod oracle;
 mod orders;
 mod relation;
 mod requests;
+mod rounds;
 mod tails;
 mod toys;

@@ -77,7 +77,7 @@ fn jobs_and_products_that_do_not_fit_are_refused() {
         clear_of: vec![],
     };
     unfit(toy.ask(&toy.job(composition)), "no next roadmap");
-    unfit(toy.ask(&toy.job(Composition::Assemble { prefix, shortest_s: vec![] })), "not complete");
+    unfit(toy.ask(&toy.job(Composition::Assemble { prefix, shortest_s: vec![], rounds: vec![] })), "not complete");
     let placement = PlacementJob { level: 0, first: 0, count: 1, nogoods: vec![] };
     unfit(toy.ask(&Job { request: Request::Placement(placement), budget: 1 }), "another stage's");
 }
@@ -166,7 +166,7 @@ fn motion_that_meets_is_not_assembled() {
     let commitments = [alone(0).unwrap(), alone(1).unwrap()].concat();
     let prefix = toy.put(&Product::Prefix(Prefix { parent: None, commitments }));
     let shortest_s = vec![vec![0.0; 3]; 2];
-    let outcome = toy.ask(&toy.job(Composition::Assemble { prefix, shortest_s })).unwrap();
+    let outcome = toy.ask(&toy.job(Composition::Assemble { prefix, shortest_s, rounds: vec![] })).unwrap();
     let causes = outcome.result.unwrap_err().causes;
     assert!(matches!(causes[0].0, Cause::Collision { .. }), "{causes:?}");
 }

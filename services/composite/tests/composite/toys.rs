@@ -384,8 +384,12 @@ impl Toy {
     }
 
     pub fn assemble(&self, prefix: ProductRef) -> plan::Plan {
+        self.assemble_rounds(prefix, vec![])
+    }
+
+    pub fn assemble_rounds(&self, prefix: ProductRef, rounds: Vec<Vec<ModeId>>) -> plan::Plan {
         let shortest_s = self.skeleton().modes.iter().map(|modes| vec![0.0; modes.len()]).collect();
-        let outcome = self.ask(&self.job(Composition::Assemble { prefix, shortest_s })).unwrap();
+        let outcome = self.ask(&self.job(Composition::Assemble { prefix, shortest_s, rounds })).unwrap();
         let Ok(Answer::Plan { plan, .. }) = outcome.result else { panic!("{outcome:?}") };
         let Product::Plan(bytes) = self.get(plan) else { panic!("no plan") };
         plan::read_plan(&bytes).unwrap()

@@ -5,6 +5,7 @@
 mod limits;
 mod merged;
 mod policies;
+mod rounds;
 mod scripted;
 mod superset;
 
@@ -123,7 +124,7 @@ fn where_no_mode_can_be_committed_the_composite_search_is_asked_and_then_an_alte
         Request::Compose(job) if job.assignment.grasps.iter().any(|grasp| grasp.0 == 0) => match job.composition {
             Composition::CommitMode { mode, .. } => mode.step == 1,
             Composition::Drrt { .. } => with_drrt,
-            Composition::Assemble { .. } => false,
+            Composition::Assemble { .. } | Composition::Synchronous { .. } => false,
         },
         _ => false,
     };

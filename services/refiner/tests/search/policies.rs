@@ -217,7 +217,7 @@ fn without_causes_of_roadmaps_or_composite_motion_pairs_that_are_not_at_fault_ar
         Box::new(|request| match request {
             Request::Compose(job) if job.assignment.grasps[0].0 < 2 => match job.composition {
                 Composition::CommitMode { mode, .. } if mode.robot.0 != 0 => None,
-                Composition::Assemble { .. } => None,
+                Composition::Assemble { .. } | Composition::Synchronous { .. } => None,
                 _ => Some(soft(Cause::Deadlock { robots: vec!["nobody".into()] })),
             },
             _ => None,

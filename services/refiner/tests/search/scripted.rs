@@ -10,6 +10,7 @@ use contract::{
 use model::{DiskFiles, FixedId, GraspId, PairId, Pose, Problem, load_problem};
 use plan::Cause;
 use refiner::{Refinement, refine_plan};
+use skeleton::ModeId;
 
 /// Two robots hand one object on.
 pub fn relay() -> ProblemStatement {
@@ -67,6 +68,9 @@ impl<'a> Scripted<'a> {
             Request::Mode(_) => Answer::Mode { roadmap: made, shortest_s: 1.0, in_the_way: Vec::new() },
             Request::Compose(job) => match job.composition {
                 Composition::Assemble { .. } => Answer::Plan { plan: made, makespan_s: 9.0 },
+                Composition::Synchronous { .. } => {
+                    Answer::Rounds { prefix: made, rounds: two_rounds().into(), ends_s: 9.0 }
+                }
                 _ => {
                     self.commits += 1;
                     Answer::Committed { prefix: made, event_s: self.commits as f64, tail_s: 0.0 }
@@ -96,6 +100,10 @@ impl AskStages for Scripted<'_> {
     fn job_id(&self, job: &Job) -> JobId {
         self.ids.of(job).unwrap()
     }
+}
+
+pub fn two_rounds() -> [Vec<ModeId>; 2] {
+    [0, 1].map(|step| vec![ModeId { robot: model::RobotId(0), step }])
 }
 
 pub fn candidate(problem: &Problem, index: u32) -> PlacementCandidate {

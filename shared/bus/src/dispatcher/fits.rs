@@ -24,8 +24,11 @@ fn is_answer_to(answer: &Answer, request: &Request) -> bool {
         (Request::Transition(job), Answer::Alternatives(alternatives)) => alternatives.len() <= job.count as usize,
         (Request::Blockers(job), Answer::Blocked(blocked)) => blocked.len() == job.standing.len(),
         (Request::Piece(_), Answer::Piece(_)) | (Request::Mode(_), Answer::Mode { .. }) => true,
-        (Request::Compose(job), Answer::Plan { .. }) => matches!(job.composition, Composition::Assemble { .. }),
-        (Request::Compose(job), Answer::Committed { .. }) => !matches!(job.composition, Composition::Assemble { .. }),
+        (Request::Compose(job), answer) => match job.composition {
+            Composition::CommitMode { .. } | Composition::Drrt { .. } => matches!(answer, Answer::Committed { .. }),
+            Composition::Assemble { .. } => matches!(answer, Answer::Plan { .. }),
+            Composition::Synchronous { .. } => matches!(answer, Answer::Rounds { .. }),
+        },
         _ => false,
     }
 }

@@ -107,7 +107,10 @@ impl Search<'_> {
             }
         }
         let Some(prefix) = prefix else { return Ok(None) };
-        match self.ask_one(&composed(Composition::Assemble { prefix, shortest_s: Vec::new() }))?.result {
+        match self
+            .ask_one(&composed(Composition::Assemble { prefix, shortest_s: Vec::new(), rounds: Vec::new() }))?
+            .result
+        {
             Ok(Answer::Plan { plan, .. }) => Ok(Some(plan)),
             _ => Ok(None),
         }

@@ -125,7 +125,9 @@ fn compose(job: &ComposeJob, luck: u64, context: &JobContext<'_>) -> Result<Outc
             let plan = context.publish(&Product::Plan(told.into_bytes()))?;
             Ok(Outcome::answer(Answer::Plan { plan, makespan_s }, luck))
         }
-        Composition::Drrt { .. } => Err(Interrupted::Unfit("no dRRT among the toys".to_owned())),
+        Composition::Drrt { .. } | Composition::Synchronous { .. } => {
+            Err(Interrupted::Unfit("no other composite planner among the toys".to_owned()))
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Refines problems by direct calls that count, that may be cut short, and whose answers a test may replace.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -27,7 +27,7 @@ pub struct Run {
     pub ledger: Ledger,
     /// Jobs that each stage was asked, repeated ones included.
     pub asked: BTreeMap<StageKind, u64>,
-    /// Work units of transition, roadmap and composite.
+    /// Work units of transition, roadmap and composite; what is asked again costs nothing.
     pub work: u64,
 }
 
@@ -41,6 +41,7 @@ impl Run {
 struct Watched<'a> {
     calls: DirectCalls,
     asked: BTreeMap<StageKind, u64>,
+    worked: BTreeSet<JobId>,
     work: u64,
     limit: u64,
     instead: Option<Instead<'a>>,
@@ -70,7 +71,7 @@ impl Watched<'_> {
             Some(outcome) => outcome,
             None => self.calls.ask(std::slice::from_ref(job))?.pop().ok_or(AskFault::Cancelled)?,
         };
-        if job.stage() != StageKind::Placement {
+        if job.stage() != StageKind::Placement && self.worked.insert(self.calls.job_id(job)) {
             self.work += outcome.work;
         }
         Ok(outcome)
@@ -94,7 +95,7 @@ pub fn run_with(
     let stages = own_stages(&statement, &BusyTimes::default()).expect("the geometry of a valid problem is usable");
     let calls = DirectCalls::new(statement.clone(), stages, Arc::new(AtomicBool::new(false)));
     let products = calls.products();
-    let mut watched = Watched { calls, asked: BTreeMap::new(), work: 0, limit, instead };
+    let mut watched = Watched { calls, asked: BTreeMap::new(), worked: BTreeSet::new(), work: 0, limit, instead };
     let refinement = refine_plan(&statement, &mut watched, &mut |_| ());
     let plan = match &refinement.end {
         End::Solved { plan, .. } => products.get(&plan.digest),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use contract::{Alternative, Answer, BlockersJob, Job, Request, StageKind};
 use model::{Holding, PairId, Standing};
 use plan::{BodyRef, Cause};
-use skeleton::{Event, Interval, Occupancy, Presence};
+use skeleton::{Event, Interval, Occupancy, Presence, Skeleton};
 
 use crate::asking::misfit;
 use crate::candidate::Candidate;
@@ -26,13 +26,15 @@ struct InTheWay {
 }
 
 impl Candidate<'_> {
-    /// Drops alternatives that a certainly present pose blocks; those that only possible poses block come last.
+    /// Drops alternatives that a certainly present pose blocks; those that only possible poses block come last. Of several
+    /// pairs without any left the first is told, the others are laid aside.
     pub(crate) fn drop_blocked(&mut self, search: &mut Search<'_>, pairs: &[PairId]) -> Result<(), Stuck> {
         let mut jobs: Vec<Job> = Vec::new();
         for pair in pairs {
             jobs.extend(self.blocker_jobs(*pair));
         }
         let mut outcomes = search.ask(&jobs)?.into_iter();
+        let mut conflicts = Vec::new();
         for pair in pairs.iter().copied() {
             let instants = self.instants(pair);
             let mut found = Vec::new();
@@ -46,9 +48,12 @@ impl Candidate<'_> {
                 }
                 found.push((alternative, in_the_way));
             }
-            self.keep_free(pair, found)?;
+            conflicts.extend(self.keep_free(pair, found).err());
         }
-        Ok(())
+        let mut conflicts = conflicts.into_iter();
+        let first = conflicts.next();
+        search.aside.extend(conflicts);
+        first.map_or(Ok(()), |conflict| Err(Stuck::Failed(conflict)))
     }
 
     fn blocker_jobs(&self, pair: PairId) -> Vec<Job> {
@@ -96,7 +101,7 @@ impl Candidate<'_> {
         Present { occupancies, certain }
     }
 
-    fn keep_free(&mut self, pair: PairId, found: Vec<(Alternative, InTheWay)>) -> Result<(), Stuck> {
+    fn keep_free(&mut self, pair: PairId, found: Vec<(Alternative, InTheWay)>) -> Result<(), Conflict> {
         let (mut kept, mut dropped) = (Vec::new(), Vec::new());
         for (alternative, in_the_way) in found {
             if in_the_way.certain.is_empty() {
@@ -109,7 +114,9 @@ impl Candidate<'_> {
         let list: Vec<Alternative> = kept.into_iter().map(|(_, alternative)| alternative).collect();
         let cover = cover(&dropped);
         let causes: Vec<(Cause, u64)> = cover.iter().map(|occupancy| (self.blocked_by(pair, *occupancy), 1)).collect();
+        let under_any_orderings = cover.iter().all(|occupancy| self.is_always_there(pair, *occupancy));
         let conflict = Conflict::of(cover.into_iter().map(Choice::Pose), &causes, None);
+        let conflict = Conflict { under_any_orderings, ..conflict };
         let is_empty = list.is_empty();
         self.choices[pair.index()].keep(list, conflict.clone());
         if !is_empty {
@@ -120,7 +127,17 @@ impl Candidate<'_> {
         conflict.choices.extend(
             [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)].map(Choice::Pose),
         );
-        Err(Stuck::Failed(conflict))
+        Err(conflict)
+    }
+
+    /// Whether a pose that is certain at an event of a pair is so without any discovered ordering.
+    fn is_always_there(&self, pair: PairId, occupancy: Occupancy) -> bool {
+        let Ok(given) = Skeleton::of_problem(self.problem) else { return false };
+        [Event::grasp(pair), Event::release(pair)].into_iter().all(|event| {
+            let instant = Interval { from: Some(event), to: Some(event) };
+            let presence = |skeleton: &Skeleton| skeleton.graph.presence(skeleton.interval_of(occupancy), instant);
+            presence(&self.skeleton) != Presence::Certain || presence(&given) == Presence::Certain
+        })
     }
 
     fn blocked_by(&self, pair: PairId, occupancy: Occupancy) -> Cause {

@@ -154,9 +154,11 @@ impl<'a> Candidate<'a> {
         (0..self.problem.pairs.len()).map(PairId::at).collect()
     }
 
-    /// Asks for the alternatives of pairs whose two poses are known.
+    /// Asks for the alternatives of pairs whose two poses are known. Of several failures the first is told, the others are
+    /// laid aside: all can be learnt from.
     pub(crate) fn ask_alternatives(&mut self, search: &mut Search<'_>, pairs: &[PairId]) -> Result<(), Stuck> {
         let jobs: Vec<Job> = pairs.iter().map(|pair| self.alternatives_job(*pair)).collect();
+        let mut conflicts = Vec::new();
         for ((pair, job), outcome) in pairs.iter().zip(&jobs).zip(search.ask(&jobs)?) {
             match outcome.result {
                 Ok(Answer::Alternatives(alternatives)) => {
@@ -166,11 +168,15 @@ impl<'a> Candidate<'a> {
                 Ok(_) => return Err(misfit(StageKind::Transition).into()),
                 Err(report) => {
                     let at_fault = self.ends_at_fault(*pair, &report.causes);
-                    return Err(Stuck::Failed(Conflict::of(at_fault, &report.causes, Some(search.id(job)))));
+                    let conflict = Conflict::of(at_fault, &report.causes, Some(search.id(job)));
+                    conflicts.push(Conflict { under_any_orderings: true, ..conflict });
                 }
             }
         }
-        Ok(())
+        let mut conflicts = conflicts.into_iter();
+        let first = conflicts.next();
+        search.aside.extend(conflicts);
+        first.map_or(Ok(()), |conflict| Err(Stuck::Failed(conflict)))
     }
 
     /// The poses that a failure of the transition stage depends on: one end if only that is out of reach, else both.

@@ -24,13 +24,15 @@ pub(crate) struct Conflict {
     pub(crate) causes: CauseTally,
     /// The job that showed it last.
     pub(crate) proof: Option<JobId>,
+    /// Whether it holds under any orderings: who looked at fixed objects only knows nothing of them.
+    pub(crate) under_any_orderings: bool,
 }
 
 impl Conflict {
     pub(crate) fn of(choices: impl IntoIterator<Item = Choice>, causes: &[(Cause, u64)], proof: Option<JobId>) -> Self {
         let mut tally = CauseTally::default();
         tally.count_all(causes);
-        Self { choices: choices.into_iter().collect(), causes: tally, proof }
+        Self { choices: choices.into_iter().collect(), causes: tally, proof, under_any_orderings: false }
     }
 
     /// Takes over the choices and causes of another conflict.
@@ -38,6 +40,7 @@ impl Conflict {
         self.choices.extend(other.choices);
         self.causes.count_all(&other.causes.ranked());
         self.proof = other.proof.or(self.proof);
+        self.under_any_orderings &= other.under_any_orderings;
     }
 
     /// The pair whose alternative it depends on and that comes last in the order of the search.

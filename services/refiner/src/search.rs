@@ -26,6 +26,8 @@ pub(crate) struct Search<'a> {
     pub(crate) causes: CauseTally,
     /// Causes met since the present placement candidate was begun.
     pub(crate) met: CauseTally,
+    /// Further conflicts of the present placement candidate than the one for which it is given up.
+    pub(crate) aside: Vec<Conflict>,
     pub(crate) used: BTreeSet<JobId>,
     pub(crate) counts: BTreeMap<StageKind, StageCount>,
     /// Work units spent on what may be limited.
@@ -56,6 +58,7 @@ impl<'a> Search<'a> {
             ledger: Ledger::default(),
             causes: CauseTally::default(),
             met: CauseTally::default(),
+            aside: Vec::new(),
             used: BTreeSet::new(),
             counts: BTreeMap::new(),
             spent: BTreeMap::new(),
@@ -167,6 +170,7 @@ impl<'a> Search<'a> {
             };
             self.commit(LedgerEntry::Decided(Decision::Placement(tried)));
             self.met = CauseTally::default();
+            self.aside.clear();
             let conflict = match self.refine(level, skeleton, &candidate) {
                 Ok(found) => return Ok(LevelEnd::Solved(found)),
                 Err(Stuck::Halted(halt)) => return Err(halt),
@@ -175,14 +179,8 @@ impl<'a> Search<'a> {
             self.met = CauseTally::default();
             self.causes.count_all(&conflict.causes.clone().ranked());
             self.backtrack(StageKind::Placement, Decision::Placement(tried), conflict.first_cause());
-            let literals = literals_of(self.problem(), &conflict, &candidate);
-            if with_causes {
-                if literals.is_empty() {
-                    // It depends on nothing that placement chooses.
-                    return Ok(LevelEnd::Exhausted);
-                }
-                self.learn(level, &conflict, &literals);
-                nogoods.push(literals);
+            if with_causes && !self.learn_all(level, conflict, &candidate, nogoods) {
+                return Ok(LevelEnd::Exhausted);
             }
         }
         Ok(LevelEnd::Exhausted)
@@ -215,6 +213,28 @@ impl<'a> Search<'a> {
                 Ok(Err(report))
             }
         }
+    }
+
+    /// Learns from the conflict for which a candidate was given up and from those laid aside. False: one of them depends on
+    /// nothing that placement chooses.
+    fn learn_all(
+        &mut self,
+        level: u32,
+        conflict: Conflict,
+        candidate: &PlacementCandidate,
+        nogoods: &mut Vec<Vec<Literal>>,
+    ) -> bool {
+        let others = std::mem::take(&mut self.aside);
+        others.iter().for_each(|other| self.causes.count_all(&other.causes.clone().ranked()));
+        for conflict in std::iter::once(conflict).chain(others) {
+            let literals = literals_of(self.problem(), &conflict, candidate);
+            if literals.is_empty() {
+                return false;
+            }
+            self.learn(level, &conflict, &literals);
+            nogoods.push(literals);
+        }
+        true
     }
 
     pub(crate) fn learn(&mut self, level: u32, conflict: &Conflict, literals: &[Literal]) {
@@ -265,7 +285,7 @@ impl<'a> Search<'a> {
 }
 
 /// What a conflict says about a placement candidate: the samples it depends on. Start poses are nobody's choice. What
-/// stands where when depends on the candidate's orderings too, so they all count.
+/// stands where when depends on the candidate's orderings too, so they all count, where what stands counts.
 pub(crate) fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &PlacementCandidate) -> Vec<Literal> {
     let mut literals = Vec::new();
     for choice in &conflict.choices {
@@ -277,7 +297,7 @@ pub(crate) fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &Pl
         let placed = candidate.placements.iter().find(|placed| creates(placed.pair));
         literals.extend(placed.map(|placed| Literal::Pose { occupancy, sample: placed.sample }));
     }
-    let orders = candidate.orders.iter();
+    let orders = candidate.orders.iter().filter(|_| !conflict.under_any_orderings);
     literals.extend(orders.map(|order| Literal::Order { before: order.before, after: order.after }));
     literals
 }

@@ -54,7 +54,7 @@ pub struct SearchOptions {
 impl Default for SearchOptions {
     fn default() -> Self {
         let (policies, limits) = (Policies::default(), WorkLimits::default());
-        Self { policies, limits, candidates: 64, composite_failures: 12, merge: Merge::None }
+        Self { policies, limits, candidates: 256, composite_failures: 12, merge: Merge::None }
     }
 }
 

@@ -231,3 +231,33 @@ fn when_the_supervisor_is_killed_its_children_are_gone_within_two_seconds_and_th
     let left = shared_memory_of(child.id());
     assert!(left.is_empty(), "the next start left {left:?}");
 }
+
+/// Exit code and result of the program on a scene; a run that hangs is ended by its own limit on time.
+fn ending(scene: &Path, more: &[&str]) -> (Option<i32>, Vec<u8>) {
+    let folder = tempfile::tempdir().unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_mrtamp"))
+        .arg("plan")
+        .arg(scene)
+        .args(["--out", "out", "--time-limit", "120"])
+        .args(more)
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let file = ["plan.json", "failure.json"].map(|name| folder.path().join("out").join(name));
+    let file = file.iter().find(|file| file.exists());
+    let file = file.unwrap_or_else(|| panic!("{}: {}", scene.display(), String::from_utf8_lossy(&output.stderr)));
+    (output.status.code(), std::fs::read(file).unwrap())
+}
+
+#[test]
+fn every_rung_of_the_ladder_ends_with_the_same_bytes_over_processes_and_without() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("launch/scenes");
+    let is_rung = |name: &str| name.starts_with('t') && name[1..].starts_with(|c: char| c.is_ascii_digit());
+    let mut rungs: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    rungs.retain(|path| path.file_name().is_some_and(|name| is_rung(&name.to_string_lossy())));
+    rungs.sort();
+    assert!(rungs.len() >= 29, "{rungs:?}");
+    for rung in rungs {
+        assert!(ending(&rung, &[]) == ending(&rung, &["--in-process"]), "{}", rung.display());
+    }
+}

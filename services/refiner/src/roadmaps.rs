@@ -140,7 +140,8 @@ impl Candidate<'_> {
         indices.iter().filter_map(|i| possible.get(*i as usize)).map(|obstruction| obstruction.occupancy).collect()
     }
 
-    /// What a mode without a way depends on: the alternatives at its ends and the certain poses that are in the way.
+    /// What a mode without a way depends on: the alternatives at its ends, or at the one that is named, and the certain poses
+    /// that are in the way.
     fn without_way(&self, mode: &Mode, causes: &[(Cause, u64)]) -> Vec<Choice> {
         let named = |occupancy: &Occupancy| {
             let name = &self.problem.movable[occupancy.object.index()].name;
@@ -150,8 +151,16 @@ impl Candidate<'_> {
             })
         };
         let certain = self.obstructions(mode, Presence::Certain).into_iter().map(|obstruction| obstruction.occupancy);
-        let pairs = mode.begins.map(|event| event.pair).into_iter().chain([self.own_pair(mode)]);
-        certain.filter(named).map(Choice::Pose).chain(pairs.map(Choice::Alternative)).collect()
+        let mut pairs: Vec<PairId> =
+            mode.begins.map(|event| event.pair).into_iter().chain([self.own_pair(mode)]).collect();
+        let is_named = |id: &PairId| {
+            let name = Some(&self.problem.pair(*id).name);
+            causes.iter().any(|(cause, _)| matches!(cause, Cause::NoPath { pair, .. } if pair.as_ref() == name))
+        };
+        if pairs.iter().any(is_named) {
+            pairs.retain(is_named);
+        }
+        certain.filter(named).map(Choice::Pose).chain(pairs.into_iter().map(Choice::Alternative)).collect()
     }
 
     /// The pair that a mode belongs to; a closing return to the last one.

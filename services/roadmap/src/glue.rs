@@ -58,7 +58,7 @@ pub(crate) fn glue(
     let digest = Digest::of("mrtamp connections", &[&contract::encode_canonical(&glue.ends_of(&connections))]);
     glue.parts.push((digest, connections));
     glue.annotate(context)?;
-    Ok(glue.finish(start, goal, start_stand))
+    Ok(glue.finish([start, goal], [start_stand, goal_stand]))
 }
 
 impl Glue<'_> {
@@ -180,14 +180,15 @@ impl Glue<'_> {
         self.motion(edge.a.index(), edge.b.index(), edge.allowed)
     }
 
-    fn finish(self, start: usize, goal: usize, start_stand: usize) -> Result<Glued, CauseTally> {
+    fn finish(self, [start, goal]: [usize; 2], stands: [usize; 2]) -> Result<Glued, CauseTally> {
+        let start_stand = stands[0];
         let certain_from = self.job.possible.len() as u32;
         let free: Vec<Edge> =
             self.edges.iter().filter(|edge| edge.blockers.iter().all(|b| *b < certain_from)).cloned().collect();
         let cost_to_go_s = cost_to_go(self.vertices.len(), &free, goal);
         let shortest_s = cost_to_go_s[start];
         if !shortest_s.is_finite() {
-            return Err(self.no_path(start, goal));
+            return Err(self.no_path([start, goal], stands, &free));
         }
         // The way off the object that was just placed or grasped is free when the mode begins; the way to the goal counts.
         let in_the_way = least_blockers(self.vertices.len(), &free, start_stand, goal).unwrap_or_default();
@@ -216,21 +217,36 @@ impl Glue<'_> {
         parking.into_iter().map(VertexId::at).collect()
     }
 
-    fn no_path(&self, start: usize, goal: usize) -> CauseTally {
+    /// Names the pair at whose end the arm cannot get away from the object or to it; where it can at both, the pairs of both.
+    fn no_path(&self, [start, goal]: [usize; 2], stands: [usize; 2], free: &[Edge]) -> CauseTally {
         let problem = self.stage.geometry.problem();
+        let is_cut = |from: usize, to: usize| !cost_to_go(self.vertices.len(), free, to)[from].is_finite();
+        let step = self.job.mode.step as usize;
+        let pair = |step: usize| problem.pairs_of_robot(self.job.mode.robot).nth(step / 2);
+        let own = pair(step);
+        // A closing return belongs to no pair.
+        let previous = own.and_then(|_| step.checked_sub(1)).and_then(pair);
+        let (pairs, [from, to]) = match previous {
+            Some(previous) if is_cut(start, stands[0]) => (vec![Some(previous)], [start, stands[0]]),
+            Some(previous) if Some(previous) != own && !is_cut(stands[1], goal) => {
+                (vec![own, Some(previous)], [start, goal])
+            }
+            _ => (vec![own], [start, goal]),
+        };
         let all: Vec<&Obstruction> = self.job.possible.iter().chain(&self.job.certain).collect();
-        let name = |index: u32| {
-            let object = all[index as usize].standing.object;
+        let name = |index: &u32| {
+            let object = all[*index as usize].standing.object;
             BodyRef::Object(problem.movable[object.index()].name.clone())
         };
-        let blocking = least_blockers(self.vertices.len(), &self.edges, start, goal).unwrap_or_default();
-        let pair = problem.pairs_of_robot(self.job.mode.robot).nth(self.job.mode.step as usize / 2);
+        let blocking = least_blockers(self.vertices.len(), &self.edges, from, to).unwrap_or_default();
         let mut causes = CauseTally::default();
-        causes.count(Cause::NoPath {
-            pair: pair.map(|pair| problem.pair(pair).name.clone()),
-            robot: self.robot.name.clone(),
-            blocking: blocking.into_iter().map(name).collect(),
-        });
+        for pair in pairs {
+            causes.count(Cause::NoPath {
+                pair: pair.map(|pair| problem.pair(pair).name.clone()),
+                robot: self.robot.name.clone(),
+                blocking: blocking.iter().map(name).collect(),
+            });
+        }
         causes
     }
 }

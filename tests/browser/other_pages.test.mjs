@@ -25,7 +25,7 @@ test("a failure's page shows the culprits, what was tried and the causes with th
     readPicture(await page.screenshot({ path }));
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true);
     assert.match(await page.locator(".verdict").innerText(), /There is no plan: proven/);
-    assert.match(await page.locator(".proof .cause").innerText(), /^r1 cannot reach far to place in r1\.1: the hand would have to be 0\.\d+ m or more/);
+    assert.match(await page.locator(".proof .cause").innerText(), /^r1 cannot reach far to place in r1\.1: the hand would have to be 2\.\d+ m or more/);
     assert.equal(await page.locator(".cause").count(), failure.causes.length + 1);
     const [, count] = failure.causes.find(([cause]) => cause.unreachable);
     assert.match(await page.locator(".task .cause").first().innerText(), new RegExp(`^${count} ×\\s+r1 cannot reach m1 in far`));

@@ -26,15 +26,13 @@ struct InTheWay {
 }
 
 impl Candidate<'_> {
-    /// Drops alternatives that a certainly present pose blocks; those that only possible poses block come last. Of several
-    /// pairs without any left the first is told, the others are laid aside.
+    /// Drops alternatives that a certainly present pose blocks; those that only possible poses block come last.
     pub(crate) fn drop_blocked(&mut self, search: &mut Search<'_>, pairs: &[PairId]) -> Result<(), Stuck> {
         let mut jobs: Vec<Job> = Vec::new();
         for pair in pairs {
             jobs.extend(self.blocker_jobs(*pair));
         }
         let mut outcomes = search.ask(&jobs)?.into_iter();
-        let mut conflicts = Vec::new();
         for pair in pairs.iter().copied() {
             let instants = self.instants(pair);
             let mut found = Vec::new();
@@ -48,12 +46,9 @@ impl Candidate<'_> {
                 }
                 found.push((alternative, in_the_way));
             }
-            conflicts.extend(self.keep_free(pair, found).err());
+            self.keep_free(pair, found).map_err(Stuck::Failed)?;
         }
-        let mut conflicts = conflicts.into_iter();
-        let first = conflicts.next();
-        search.aside.extend(conflicts);
-        first.map_or(Ok(()), |conflict| Err(Stuck::Failed(conflict)))
+        Ok(())
     }
 
     fn blocker_jobs(&self, pair: PairId) -> Vec<Job> {
@@ -114,29 +109,29 @@ impl Candidate<'_> {
         let list: Vec<Alternative> = kept.into_iter().map(|(_, alternative)| alternative).collect();
         let cover = cover(&dropped);
         let causes: Vec<(Cause, u64)> = cover.iter().map(|occupancy| (self.blocked_by(pair, *occupancy), 1)).collect();
-        let under_any_orderings = cover.iter().all(|occupancy| self.is_always_there(pair, *occupancy));
-        let conflict = Conflict::of(cover.into_iter().map(Choice::Pose), &causes, None);
-        let conflict = Conflict { under_any_orderings, ..conflict };
+        let conflict = Conflict::of(cover.iter().copied().map(Choice::Pose), &causes, None);
         let is_empty = list.is_empty();
         self.choices[pair.index()].keep(list, conflict.clone());
         if !is_empty {
             return Ok(());
         }
         self.used_up.insert(pair);
-        let mut conflict = conflict;
+        let mut conflict = Conflict { under_any_orderings: self.are_always_there(pair, &cover), ..conflict };
         conflict.choices.extend(
             [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)].map(Choice::Pose),
         );
         Err(conflict)
     }
 
-    /// Whether a pose that is certain at an event of a pair is so without any discovered ordering.
-    fn is_always_there(&self, pair: PairId, occupancy: Occupancy) -> bool {
+    /// Whether poses that are certain at an event of a pair are so without any discovered ordering.
+    fn are_always_there(&self, pair: PairId, occupancies: &BTreeSet<Occupancy>) -> bool {
         let Ok(given) = Skeleton::of_problem(self.problem) else { return false };
         [Event::grasp(pair), Event::release(pair)].into_iter().all(|event| {
             let instant = Interval { from: Some(event), to: Some(event) };
-            let presence = |skeleton: &Skeleton| skeleton.graph.presence(skeleton.interval_of(occupancy), instant);
-            presence(&self.skeleton) != Presence::Certain || presence(&given) == Presence::Certain
+            let is_certain = |skeleton: &Skeleton, occupancy: Occupancy| {
+                skeleton.graph.presence(skeleton.interval_of(occupancy), instant) == Presence::Certain
+            };
+            occupancies.iter().all(|one| !is_certain(&self.skeleton, *one) || is_certain(&given, *one))
         })
     }
 

@@ -26,7 +26,8 @@ pub(crate) struct Search<'a> {
     pub(crate) causes: CauseTally,
     /// Causes met since the present placement candidate was begun.
     pub(crate) met: CauseTally,
-    /// Further conflicts of the present placement candidate than the one for which it is given up.
+    /// Further conflicts of the present placement candidate than the one for which it is given up. They rest on no
+    /// ordering, least of all on one that is tried and taken back.
     pub(crate) aside: Vec<Conflict>,
     pub(crate) used: BTreeSet<JobId>,
     pub(crate) counts: BTreeMap<StageKind, StageCount>,
@@ -170,7 +171,6 @@ impl<'a> Search<'a> {
             };
             self.commit(LedgerEntry::Decided(Decision::Placement(tried)));
             self.met = CauseTally::default();
-            self.aside.clear();
             let conflict = match self.refine(level, skeleton, &candidate) {
                 Ok(found) => return Ok(LevelEnd::Solved(found)),
                 Err(Stuck::Halted(halt)) => return Err(halt),
@@ -253,6 +253,7 @@ impl<'a> Search<'a> {
         skeleton: &Skeleton,
         candidate: &PlacementCandidate,
     ) -> Result<Found, Stuck> {
+        self.aside.clear();
         let budgets = Budgets::at(&self.problem().levels, level, &self.statement.options);
         let mut skeleton = skeleton.clone();
         for order in &candidate.orders {

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use collision::{Geometry, GeometryError};
-use contract::{Assignment, Interrupted, ProblemStatement};
-use model::{Pose, Problem, Standing};
-use skeleton::{ArcOrigin, EventGraph, Occupancy, Skeleton};
+use contract::{Assignment, Interrupted, JobContext, ProblemStatement, ProductRef};
+use model::{Holding, Pose, Problem, Standing};
+use skeleton::{ArcOrigin, EventGraph, Mode, Occupancy, Skeleton};
 
 use crate::Conflicts;
+use crate::prefix::is_holding_of;
+use crate::sipp::ModeGraph;
 
 /// Why the stage cannot work on a problem.
 #[derive(Debug, thiserror::Error)]
@@ -75,5 +77,35 @@ impl Scene {
         let pose: Option<&Pose> = assignment.poses.get(object.index()).and_then(|hops| hops.get(hop as usize));
         let lacking = || Interrupted::Unfit(format!("the assignment lacks pose {hop} of object {}", object.0));
         Ok(Standing { object, world_from_object: *pose.ok_or_else(lacking)? })
+    }
+
+    /// What the robot holds in a mode.
+    fn holding(&self, assignment: &Assignment, mode: &Mode) -> Result<Option<Holding>, Interrupted> {
+        let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
+        let grasp = assignment.grasps.get(pair.index());
+        let grasp = *grasp.ok_or_else(|| Interrupted::Unfit("the assignment lacks a grasp".into()))?;
+        Ok(Some(Holding { object: self.problem().pair(pair).object, grasp }))
+    }
+
+    /// The object that a mode's event puts down, where it then stands.
+    pub(crate) fn placed(&self, assignment: &Assignment, mode: &Mode) -> Result<Option<Standing>, Interrupted> {
+        let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
+        self.standing(assignment, self.skeleton.placed(self.problem(), pair)).map(Some)
+    }
+
+    /// The roadmap of a mode, holding what the mode holds.
+    pub(crate) fn mode_graph(
+        &self,
+        assignment: &Assignment,
+        mode: &Mode,
+        product: &ProductRef,
+        context: &JobContext<'_>,
+    ) -> Result<ModeGraph<'_>, Interrupted> {
+        let graph = ModeGraph::load(self.problem(), mode.id, product, context)?;
+        let holding = graph.roadmap.holding;
+        if holding != self.holding(assignment, mode)? || !is_holding_of(self.problem(), mode.id.robot, holding) {
+            return Err(Interrupted::Unfit("a roadmap holds something else than its mode".into()));
+        }
+        Ok(graph)
     }
 }

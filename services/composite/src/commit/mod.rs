@@ -10,16 +10,14 @@ use contract::{
     Answer, Assignment, CauseTally, Commitment, EdgeKind, Interrupted, JobContext, Outcome, Prefix, Product,
     ProductRef, VertexId,
 };
-use model::{Holding, Standing};
 use plan::Cause;
-use skeleton::{Mode, ModeId, Occupancy};
+use skeleton::{Mode, ModeId};
 
 pub(crate) use causes::causes_of;
 pub(crate) use gates::Orders;
 pub(crate) use moves::Mover;
 
 use crate::points::same_configuration;
-use crate::prefix::is_holding_of;
 use crate::sipp::{Gates, ModeGraph, Search, Traffic};
 use crate::{Scene, Timeline, load_prefix};
 
@@ -101,7 +99,7 @@ impl CommitJob<'_> {
     }
 
     fn commit(&self, mode: &Mode, timeline: &Timeline, context: &mut JobContext<'_>) -> Result<Commitment, Unreached> {
-        let graph = self.load(mode, &self.roadmap, context)?;
+        let graph = self.scene.mode_graph(self.assignment, mode, &self.roadmap, context)?;
         let order = self.scene.graph(self.assignment)?;
         let orders = Orders { scene: self.scene, graph: &order, timeline };
         if let Some(event) = orders.lacks_event(mode) {
@@ -115,20 +113,10 @@ impl CommitJob<'_> {
         let gates = self.settle_gates(mode, gates, &graph, &traffic, &start)?;
         let next_mode = self.scene.skeleton.modes[mode.id.robot.index()].get(mode.id.step as usize + 1);
         let next = match (&self.next_roadmap, next_mode) {
-            (Some(next), Some(next_mode)) => Some(self.load(next_mode, next, context)?),
+            (Some(next), Some(next_mode)) => Some(self.scene.mode_graph(self.assignment, next_mode, next, context)?),
             _ => None,
         };
         self.search(mode, &graph, next.as_ref(), &traffic, timeline, gates, start, context)
-    }
-
-    /// The roadmap of a mode, holding what the mode holds.
-    fn load(&self, mode: &Mode, product: &ProductRef, context: &JobContext<'_>) -> Result<ModeGraph<'_>, Interrupted> {
-        let graph = ModeGraph::load(self.scene.problem(), mode.id, product, context)?;
-        let holding = graph.roadmap.holding;
-        if holding != self.holding(mode)? || !is_holding_of(self.scene.problem(), mode.id.robot, holding) {
-            return Err(Interrupted::Unfit("a roadmap holds something else than its mode".into()));
-        }
-        Ok(graph)
     }
 
     /// Where the search begins: after the hand's pause, or after the part of the tail that others count on.
@@ -173,7 +161,9 @@ impl CommitJob<'_> {
         if gates.fold_s >= start.mover.time_s && (mode.begins.is_none() || graph.is_folded(start.vertex)) {
             return Err(Unreached::Because(vec![self.deadlock(&[])]));
         }
-        if let Some((ends_s, robot)) = self.placed(mode)?.and_then(|placed| traffic.last_through(&placed)) {
+        if let Some((ends_s, robot)) =
+            self.scene.placed(self.assignment, mode)?.and_then(|placed| traffic.last_through(&placed))
+        {
             if ends_s == f64::INFINITY {
                 return Err(Unreached::Because(vec![self.deadlock(&[robot])]));
             }
@@ -247,7 +237,7 @@ impl CommitJob<'_> {
         event_s: f64,
     ) -> Result<Traffic<'a>, Interrupted> {
         let mut traffic = Traffic::new(&self.scene.conflicts, timeline, mode.id.robot, event_s);
-        if let Some(placed) = self.placed(mode)? {
+        if let Some(placed) = self.scene.placed(self.assignment, mode)? {
             traffic.put(placed, event_s);
         }
         Ok(traffic)
@@ -258,21 +248,6 @@ impl CommitJob<'_> {
             return Ok(());
         }
         Err(Unreached::Because(vec![Cause::Budget { stage: "composite".into() }]))
-    }
-
-    /// What the robot holds in a mode.
-    fn holding(&self, mode: &Mode) -> Result<Option<Holding>, Interrupted> {
-        let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
-        let grasp = self.assignment.grasps.get(pair.index());
-        let grasp = *grasp.ok_or_else(|| Interrupted::Unfit("the assignment lacks a grasp".into()))?;
-        Ok(Some(Holding { object: self.scene.problem().pair(pair).object, grasp }))
-    }
-
-    /// The object that the mode's event puts down, where it then stands.
-    fn placed(&self, mode: &Mode) -> Result<Option<Standing>, Interrupted> {
-        let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
-        let occupancy: Occupancy = self.scene.skeleton.placed(self.scene.problem(), pair);
-        self.scene.standing(self.assignment, occupancy).map(Some)
     }
 }
 

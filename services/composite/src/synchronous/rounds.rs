@@ -108,7 +108,11 @@ impl<'a, 'c, 'j> RoundPlanner<'a, 'c, 'j> {
                     return Ok(Some((robot, Blocker::Robot(stands[other].robot))));
                 }
             }
-            let placed = team.next(robot, done).map(|unit| team.placed(&unit.mode)).transpose()?.flatten();
+            let placed = team
+                .next(robot, done)
+                .map(|unit| team.scene.placed(team.assignment, &unit.mode))
+                .transpose()?
+                .flatten();
             if let Some(placed) = placed {
                 let hits = |other: &usize| *other != robot && conflicts.cell_hits(&stands[*other], 0, &placed);
                 if let Some(other) = (0..stands.len()).find(hits) {

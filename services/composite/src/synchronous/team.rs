@@ -2,11 +2,10 @@
 
 use collision::Motion;
 use contract::{Assignment, Interrupted, JobContext, ProductRef};
-use model::{AllowedContacts, Holding, ObjectId, RobotId, Standing};
+use model::{AllowedContacts, ObjectId, RobotId};
 use skeleton::{Event, Mode, Occupancy};
 
 use super::needs::Needs;
-use crate::prefix::is_holding_of;
 use crate::sipp::ModeGraph;
 use crate::{Scene, TimedStanding, Travel};
 
@@ -100,13 +99,6 @@ impl<'a> Team<'a> {
         let so_far = &self.modes[robot][..done[robot] as usize];
         so_far.iter().any(|unit| unit.mode.ends == Some(event))
     }
-
-    /// The object that a mode puts down, where it then stands.
-    pub fn placed(&self, mode: &Mode) -> Result<Option<Standing>, Interrupted> {
-        let Some(pair) = mode.pair.filter(|_| mode.is_holding()) else { return Ok(None) };
-        let occupancy = self.scene.skeleton.placed(self.scene.problem(), pair);
-        self.scene.standing(self.assignment, occupancy).map(Some)
-    }
 }
 
 fn load_mode<'a>(
@@ -116,18 +108,7 @@ fn load_mode<'a>(
     product: &ProductRef,
     context: &JobContext<'_>,
 ) -> Result<TeamMode<'a>, Interrupted> {
-    let graph = ModeGraph::load(scene.problem(), mode.id, product, context)?;
-    let pair = mode.pair.filter(|_| mode.is_holding());
-    let grasp = pair.map(|pair| assignment.grasps.get(pair.index()).copied());
-    let expected = pair.zip(grasp.flatten());
-    let expected = expected.map(|(pair, grasp)| Holding { object: scene.problem().pair(pair).object, grasp });
-    let holding = graph.roadmap.holding;
-    if holding != expected
-        || pair.is_some() != expected.is_some()
-        || !is_holding_of(scene.problem(), mode.id.robot, holding)
-    {
-        return Err(Interrupted::Unfit("a roadmap holds something else than its mode".into()));
-    }
+    let graph = scene.mode_graph(assignment, mode, product, context)?;
     let to_goal_s = graph.times_to(graph.roadmap.goal);
     let pause_s = if mode.ends.is_some() { scene.problem().settings.grip_time } else { 0.0 };
     Ok(TeamMode { mode: *mode, graph, to_goal_s, pause_s })

@@ -55,7 +55,7 @@ impl UnitJob<'_> {
         let Some(next) = self.team.next(self.robot, self.done) else { return Ok(Err(Vec::new())) };
         let traffic = self.traffic(0.0);
         let mut gates = Gates::OPEN;
-        let placed = self.team.placed(&next.mode)?;
+        let placed = self.team.scene.placed(self.team.assignment, &next.mode)?;
         if let Some((ends_s, robot)) = placed.and_then(|placed| traffic.last_through(&placed)) {
             if ends_s == f64::INFINITY {
                 return Ok(Err(vec![Blocker::Robot(robot)]));
@@ -98,7 +98,7 @@ impl UnitJob<'_> {
     /// Who keeps the robot from standing where its event happened, from then on for ever; `None`: nobody.
     fn blockers_after(&self, next: &TeamMode<'_>, event_s: f64) -> Result<Option<Vec<Blocker>>, Stop> {
         let mut traffic = self.traffic(event_s);
-        if let Some(placed) = self.team.placed(&next.mode)? {
+        if let Some(placed) = self.team.scene.placed(self.team.assignment, &next.mode)? {
             traffic.put(placed, event_s);
         }
         let stand = self.team.stand(self.robot, self.done[self.robot] + 1);
@@ -117,7 +117,7 @@ impl UnitJob<'_> {
             moving.map(|step| TimedMove::new(scene, robot, commitment.holding, step)).collect();
         let travel = self.team.stand(self.robot, self.done[self.robot] + 1);
         moves.push(TimedMove { travel, begins_s: commitment.event_s, ends_s: f64::INFINITY });
-        let standing = self.team.placed(&next.mode)?;
+        let standing = self.team.scene.placed(self.team.assignment, &next.mode)?;
         let from_s = approach_s(scene, &commitment);
         let placed = standing.map(|standing| TimedStanding { standing, from_s, until_s: f64::INFINITY });
         Ok(PlannedUnit { unit, moves, placed })

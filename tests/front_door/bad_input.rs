@@ -1,13 +1,11 @@
 //! Every kind of bad input through the program itself: exit code 2, file and line on stderr, no existing file touched.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::time::{Duration, Instant};
 
 use assert_cmd::Command;
+
+use crate::{contents, launch_folder};
 
 /// Planning is not reached; a program that takes longer hangs.
 const AT_MOST: Duration = Duration::from_secs(30);
@@ -18,7 +16,7 @@ struct Relay(tempfile::TempDir);
 impl Relay {
     fn new() -> Self {
         let root = tempfile::tempdir().unwrap();
-        let from = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("launch");
+        let from = launch_folder();
         for folder in ["robots", "scenes", "out"] {
             std::fs::create_dir(root.path().join(folder)).unwrap();
         }
@@ -47,20 +45,6 @@ impl Relay {
         let mut command = Command::cargo_bin("mrtamp").unwrap();
         command.args(arguments).current_dir(self.0.path()).env("COLUMNS", "200").timeout(AT_MOST).output().unwrap()
     }
-}
-
-/// All files below a folder with their bytes.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(contents(&path));
-        } else {
-            found.insert(path.clone(), std::fs::read(&path).unwrap());
-        }
-    }
-    found
 }
 
 /// What a run says on stderr, without any space: lines are broken anywhere.

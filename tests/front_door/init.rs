@@ -1,23 +1,6 @@
 //! `mrtamp init`.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use crate::{code, mrtamp, said};
-
-/// All files below a folder with their bytes.
-fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(contents(&path));
-        } else {
-            found.insert(path.to_string_lossy().into_owned(), std::fs::read(&path).unwrap());
-        }
-    }
-    found
-}
+use crate::{code, contents, mrtamp, said};
 
 #[test]
 fn a_new_problem_is_planned_at_once_and_certified() {

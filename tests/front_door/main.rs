@@ -1,12 +1,14 @@
-//! What somebody meets who brings a robot or a problem: `init`, `robot`, ROS packages.
+//! What somebody meets who brings a robot or a problem: `init`, `robot`, ROS packages, bad input.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod bad_input;
 mod init;
 mod packages;
 mod readme;
 mod robot;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
@@ -29,6 +31,20 @@ fn said(output: &Output) -> String {
 
 fn launch_folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("launch")
+}
+
+/// All files below a folder with their bytes.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(contents(&path));
+        } else {
+            found.insert(path.clone(), std::fs::read(&path).unwrap());
+        }
+    }
+    found
 }
 
 /// Copies a robot's file.

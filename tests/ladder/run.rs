@@ -11,8 +11,13 @@ use contract::{
 use launch::ending::finished_plan;
 use launch::stages::{BusyTimes, own_stages};
 use model::Problem;
-use plan::{Certificate, Failure, Plan, Provenance, ResultKind};
+use plan::{Certificate, Plan};
 use refiner::{End, refine_plan};
+
+#[path = "../../shared/validation/tests/checker/certificates/failure.rs"]
+mod failure;
+
+use failure::failure;
 
 /// Work units of transition, roadmap and composite after which a run is cut short, if nothing else is said.
 pub const UNLIMITED: u64 = u64::MAX;
@@ -107,20 +112,6 @@ pub fn run_with(
 
 /// What the checker says of a certificate.
 pub fn verify(problem: &Problem, certificate: &Certificate) -> Result<(), String> {
-    let failure = Failure {
-        format: plan::FAILURE_FORMAT.to_owned(),
-        problem: problem.name.clone(),
-        result: ResultKind::InfeasibleProven,
-        causes: Vec::new(),
-        certificate: Some(certificate.clone()),
-        stages: Vec::new(),
-        reached: None,
-        provenance: Provenance {
-            problem_digest: String::new(),
-            seed: 0,
-            implementations: Vec::new(),
-            ledger_digest: String::new(),
-        },
-    };
+    let failure = failure(problem, Some(certificate.clone()));
     validation::check_failure(problem, &failure).map_err(|violations| format!("not verified: {violations:?}"))
 }

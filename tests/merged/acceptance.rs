@@ -13,7 +13,9 @@ use contract::{
 use launch::stages::{BusyTimes, own_stages};
 use model::{FailurePolicy, PairId, Problem};
 use refiner::{End, refine_plan};
-use skeleton::{ArcOrigin, Event, EventGraph};
+use skeleton::Event;
+
+use crate::orders::irredundant;
 
 /// The sample of each pair in their order, and the orders, sorted.
 pub type Placement = (Vec<u32>, Vec<(Event, Event)>);
@@ -126,17 +128,4 @@ impl AskStages for Toll<'_> {
     fn job_id(&self, job: &Job) -> JobId {
         self.calls.job_id(job)
     }
-}
-
-/// Of orders that hold together those that neither the problem nor the others imply.
-pub fn irredundant(problem: &Problem, orders: &[(Event, Event)]) -> Vec<(Event, Event)> {
-    let implied = |i: usize| {
-        let mut graph = EventGraph::of_problem(problem).unwrap();
-        let others = orders.iter().enumerate().filter(|(other, _)| *other != i);
-        others.for_each(|(_, (before, after))| graph.add(*before, *after, ArcOrigin::Discovered).unwrap());
-        graph.precedes(orders[i].0, orders[i].1)
-    };
-    let mut kept: Vec<(Event, Event)> = (0..orders.len()).filter(|i| !implied(*i)).map(|i| orders[i]).collect();
-    kept.sort_unstable();
-    kept
 }

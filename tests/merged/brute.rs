@@ -8,7 +8,8 @@ use contract::{Alternative, Answer, AskStages, BlockersJob, HopJob, Job, Outcome
 use model::{Holding, PairId, Problem, Standing};
 use skeleton::{ArcOrigin, Event, EventGraph, Interval, Occupancy, Presence, Skeleton};
 
-use crate::acceptance::{Pipelines, Placement, irredundant};
+use crate::acceptance::{Pipelines, Placement};
+use crate::orders::irredundant;
 
 /// Alternatives that the search asks for.
 const ALTERNATIVES: u32 = 48;

@@ -7,6 +7,8 @@ mod brute;
 #[allow(dead_code, reason = "large problems are for other tests")]
 #[path = "../ladder/generator.rs"]
 mod generator;
+#[path = "../../services/placement/tests/common/orders.rs"]
+mod orders;
 mod same_set;
 mod whole_runs;
 

@@ -5,6 +5,11 @@
 mod command_line;
 mod delays;
 mod events;
+#[allow(dead_code, reason = "the ladder uses the rest")]
+#[path = "../ladder/facts.rs"]
+mod facts;
+#[path = "../../shared/validation/tests/checker/certificates/failure.rs"]
+mod failure;
 mod foreign_placement;
 mod interruption;
 mod options;

@@ -9,6 +9,7 @@ use plan::{Cause, Certificate, Origin, ResultKind};
 use refiner::End;
 use validation::{Rule, check_plan};
 
+use crate::failure::failure;
 use crate::{certified, scene, scene_path, try_plan};
 
 /// Exit code, and bytes of the result.
@@ -117,20 +118,7 @@ fn a_swap_of_two_robots_is_proven_a_cycle_where_removals_have_to_be_completed() 
         panic!("no proof: {end:?}")
     };
     assert!(matches!(certificate, Certificate::Cycle { .. }));
-    let provenance = launch::ending::provenance(
-        &contract::ProblemStatement::new(problem.clone(), 0, Prioritised),
-        &contract::Ledger::default(),
-    );
-    let failure = plan::Failure {
-        format: plan::FAILURE_FORMAT.to_owned(),
-        problem: problem.name.clone(),
-        result: ResultKind::InfeasibleProven,
-        causes: Vec::new(),
-        certificate: Some(certificate),
-        reached: None,
-        stages: Vec::new(),
-        provenance,
-    };
+    let failure = failure(&problem, Some(certificate));
     assert_eq!(validation::check_failure(&problem, &failure), Ok(()));
     problem.settings.removal = Removal::Grasp;
     assert!(validation::check_failure(&problem, &failure).is_err());

@@ -1,26 +1,13 @@
 //! The ladder's scenes with their planted answers.
 
 use contract::CompositeMethod::{self, Drrt, Prioritised, Shorter, SyncGreedy, SyncOpt};
-use plan::{Cause, Origin, Plan};
+use plan::{Cause, Origin};
 
+use crate::facts::{discovered, time_of};
 use crate::{certified, scene, try_plan};
 
 const SMALL: [&str; 6] =
     ["t00_one_arm", "t01_one_robot", "t02_far_apart", "t03_relay", "t04_spacious_region", "t05_tiny_region"];
-
-/// Discovered orderings as `point of pair < point of pair`, sorted.
-fn discovered(plan: &Plan) -> Vec<String> {
-    let of_origin = plan.orderings.iter().filter(|ordering| ordering.origin == Origin::Discovered);
-    let mut all: Vec<String> = of_origin
-        .map(|o| format!("{} {} < {} {}", o.before.point.name(), o.before.pair, o.after.point.name(), o.after.pair))
-        .collect();
-    all.sort();
-    all
-}
-
-fn time_of(plan: &Plan, pair: &str, kind: plan::EventKind) -> f64 {
-    plan.events.iter().find(|event| event.pair == pair && event.kind == kind).unwrap().t
-}
 
 fn every_small_scene_is_planned(composite: CompositeMethod) {
     for name in SMALL {

@@ -2,15 +2,18 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;
+#[path = "common/orders.rs"]
+mod orders;
 
 use std::collections::BTreeSet;
 
 use common::{ask, candidates, job, pair_id, shipped, stage};
 use contract::{Answer, HopChoice, HopJob, Interrupted, Job, Placed, Request, Soundness, encode};
 use model::{PairId, Pose, Problem};
+use orders::irredundant;
 use placement::PlacementStage;
 use plan::{BodyRef, Cause};
-use skeleton::{ArcOrigin, Event, EventGraph};
+use skeleton::Event;
 
 fn hop_job(pair: PairId, placed: Vec<Placed>, orders: Vec<(Event, Event)>) -> Job {
     Job { request: Request::Hop(HopJob { pair, level: 0, placed, orders, first: 0, count: 10_000 }), budget: 4_000_000 }
@@ -32,19 +35,6 @@ fn choices(stage: &PlacementStage, job: &Job) -> Vec<HopChoice> {
 
 /// A candidate without its causes: the sample of each pair, and the orders.
 type Key = (Vec<u32>, Vec<(Event, Event)>);
-
-/// Orders that neither the problem nor the others imply.
-fn irredundant(problem: &Problem, orders: &[(Event, Event)]) -> Vec<(Event, Event)> {
-    let implied = |i: usize| {
-        let mut graph = EventGraph::of_problem(problem).unwrap();
-        let others = orders.iter().enumerate().filter(|(other, _)| *other != i);
-        others.for_each(|(_, (before, after))| graph.add(*before, *after, ArcOrigin::Discovered).unwrap());
-        graph.precedes(orders[i].0, orders[i].1)
-    };
-    let mut kept: Vec<(Event, Event)> = (0..orders.len()).filter(|i| !implied(*i)).map(|i| orders[i]).collect();
-    kept.sort_unstable();
-    kept
-}
 
 /// Every way to place the pairs from number `next` on.
 fn hop_by_hop(

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p bus --example round_trip`
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a tool for developers")]
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use contract::{AskStages, Job, PlacementJob, Request, StageKind, serve};
 use toy::{ToyStage, toy_implementation, toy_statement};
 
 #[path = "../tests/toy/mod.rs"]
-#[allow(dead_code, unused_imports)]
+#[allow(dead_code, unused_imports, reason = "tests use the rest")]
 mod toy;
 
 const ROUNDS: u32 = 5000;

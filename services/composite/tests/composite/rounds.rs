@@ -18,7 +18,6 @@ fn ask(toy: &Toy, choice: RoundChoice) -> Result<Outcome, Interrupted> {
     toy.ask(&toy.job(Composition::Synchronous { choice, roadmaps }))
 }
 
-#[allow(clippy::result_large_err)]
 fn schedule(toy: &Toy, choice: RoundChoice) -> Result<Schedule, FailureReport> {
     ask(toy, choice).unwrap().result.map(|answer| match answer {
         Answer::Rounds { prefix, rounds, ends_s } => (prefix, rounds, ends_s),

@@ -1,30 +1,15 @@
 //! Rule V16: certificates that hold are accepted; wrong and exaggerated ones are not.
 
+mod failure;
 mod grasps;
 mod order;
 mod reach;
 
-use model::Problem;
-use plan::{Certificate, FAILURE_FORMAT, Failure, Provenance, ResultKind};
-use validation::{Rule, Violation, check_failure};
+pub use failure::failure;
 
-pub fn failure(problem: &Problem, certificate: Option<Certificate>) -> Failure {
-    Failure {
-        format: FAILURE_FORMAT.to_owned(),
-        problem: problem.name.clone(),
-        result: ResultKind::InfeasibleProven,
-        causes: Vec::new(),
-        certificate,
-        stages: Vec::new(),
-        reached: None,
-        provenance: Provenance {
-            problem_digest: String::new(),
-            seed: 0,
-            implementations: Vec::new(),
-            ledger_digest: String::new(),
-        },
-    }
-}
+use model::Problem;
+use plan::{Certificate, Failure, ResultKind};
+use validation::{Rule, Violation, check_failure};
 
 #[track_caller]
 pub fn proven(problem: &Problem, certificate: &Certificate) {

@@ -1,0 +1,22 @@
+//! A failure that is called proven.
+
+use model::Problem;
+use plan::{Certificate, FAILURE_FORMAT, Failure, Provenance, ResultKind};
+
+pub fn failure(problem: &Problem, certificate: Option<Certificate>) -> Failure {
+    Failure {
+        format: FAILURE_FORMAT.to_owned(),
+        problem: problem.name.clone(),
+        result: ResultKind::InfeasibleProven,
+        causes: Vec::new(),
+        certificate,
+        stages: Vec::new(),
+        reached: None,
+        provenance: Provenance {
+            problem_digest: String::new(),
+            seed: 0,
+            implementations: Vec::new(),
+            ledger_digest: String::new(),
+        },
+    }
+}

@@ -95,7 +95,7 @@ fn a_relay_takes_longer_where_whole_actions_gate_one_another() {
         println!("{short} s by grasps, {long} s by actions, {:.1} % more", 100.0 * (long / short - 1.0));
         assert!(short < long, "{short} s, {long} s");
         let broken = check_plan(&problem, &by_grasp).unwrap_err();
-        assert!(broken.iter().all(|violation| violation.rule == Rule::V9), "{broken:?}");
+        assert!(broken.iter().all(|violation| violation.rule == Rule::V10), "{broken:?}");
     }
 }
 

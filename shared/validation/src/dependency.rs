@@ -1,4 +1,4 @@
-//! Rule V10: dependency arcs; and the plan as it is executed when robots are late.
+//! Rule V17: dependency arcs; and the plan as it is executed when robots are late.
 
 use plan::{Dependency, Knot, KnotRef, Plan, RobotTrajectory};
 
@@ -36,7 +36,7 @@ pub(crate) fn check(plan: &Plan, wrong: &mut Vec<Violation>) {
                 words(&listed.after)
             );
             wrong.push(
-                Violation::new(Rule::V10, message).robot(&listed.before.robot).robot(&listed.after.robot).at(left),
+                Violation::new(Rule::V17, message).robot(&listed.before.robot).robot(&listed.after.robot).at(left),
             );
             late = true;
         }
@@ -55,7 +55,7 @@ pub(crate) fn check(plan: &Plan, wrong: &mut Vec<Violation>) {
 /// it is, bit for bit; otherwise the makespans are computed anew.
 ///
 /// # Errors
-/// A violation of V10 if an arc is invalid or arcs wait for one another.
+/// A violation of V17 if an arc is invalid or arcs wait for one another.
 pub fn delayed_execution(plan: &Plan, pauses: &[Vec<f64>]) -> Result<Plan, Violation> {
     let arcs = resolve(plan)?;
     let delays = schedule(plan, &arcs, pauses)?;
@@ -137,7 +137,7 @@ fn resolve(plan: &Plan) -> Result<Vec<Arc>, Violation> {
     let arc = |dependency: &Dependency| {
         let wrong = |what: String| {
             let Dependency { before, after } = dependency;
-            Violation::new(Rule::V10, what).robot(&before.robot).robot(&after.robot)
+            Violation::new(Rule::V17, what).robot(&before.robot).robot(&after.robot)
         };
         let missing = |reference: &KnotRef| wrong(format!("there is no {}", words(reference)));
         let before = find(&dependency.before).ok_or_else(|| missing(&dependency.before))?;
@@ -215,6 +215,6 @@ fn deadlock(plan: &Plan, delays: &Delays) -> Option<Violation> {
         .collect();
     let places: Vec<String> = stuck.iter().map(words).collect();
     let message = format!("the arcs wait for one another: nobody can leave {}", places.join(" or "));
-    let violation = stuck.iter().fold(Violation::new(Rule::V10, message), |v, knot| v.robot(&knot.robot));
+    let violation = stuck.iter().fold(Violation::new(Rule::V17, message), |v, knot| v.robot(&knot.robot));
     (!stuck.is_empty()).then_some(violation)
 }

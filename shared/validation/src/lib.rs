@@ -4,8 +4,8 @@
 //! (a mesh is its convex hull), distances come from parry and are proven by separating axes, and continuous time is covered
 //! by bounds on motion and bisection. What it accepts holds at every instant, not at samples.
 //!
-//! The rules of a plan are [`Rule::V1`] to [`Rule::V15`]. Geometry (V11, V12) is examined only where the plan is well formed
-//! and its events make sense (V1, V5, V8), V15 only where nothing else is wrong. [`Rule::V16`] is for failures.
+//! [`Rule::V16`] is for failures, all others are for plans. Geometry (V11, V12) is examined only where the plan is well formed
+//! and its events make sense (V1, V5, V8), V15 only where nothing else is wrong.
 
 mod actor;
 mod clearance;

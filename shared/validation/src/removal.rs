@@ -1,4 +1,4 @@
-//! Rule V9 where the problem frees places only when a removal is completed: nothing is placed where an object stood that
+//! Rule V10 where the problem frees places only when a removal is completed: nothing is placed where an object stood that
 //! is still being carried away.
 
 use model::Removal;
@@ -26,7 +26,7 @@ pub(crate) fn check(script: &Script, timeline: &Timeline, wrong: &mut Vec<Violat
             let message =
                 format!("{comes} is placed where {leaves} stood, which is released elsewhere only at {} s", hold.to);
             let robot = script.robot_name(hold.robot);
-            wrong.push(Violation::new(Rule::V9, message).robot(robot).object(leaves).object(comes).at(taken.from));
+            wrong.push(Violation::new(Rule::V10, message).robot(robot).object(leaves).object(comes).at(taken.from));
         }
     }
 }

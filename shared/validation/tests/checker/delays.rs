@@ -102,7 +102,7 @@ fn arcs_that_wait_for_one_another_are_a_deadlock() {
         let mut stuck = plan.clone();
         stuck.dependencies = vec![first.clone(), second];
         let violation = delayed_execution(&stuck, &no_pauses(&stuck)).expect_err("a ring");
-        assert_eq!(violation.rule, Rule::V10);
+        assert_eq!(violation.rule, Rule::V17);
         assert_eq!(violation.robots, ["g1", "g2"]);
         assert!(violation.message.contains("knot 3 of g1 or knot 3 of g2"), "{violation}");
         stuck.dependencies = vec![first];
@@ -122,6 +122,6 @@ fn arcs_to_nowhere_are_refused() {
     {
         let mut broken = plan.clone();
         broken.dependencies = vec![wrong];
-        assert_eq!(delayed_execution(&broken, &[]).expect_err("no such knot").rule, Rule::V10);
+        assert_eq!(delayed_execution(&broken, &[]).expect_err("no such knot").rule, Rule::V17);
     }
 }

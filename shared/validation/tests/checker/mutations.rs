@@ -8,6 +8,7 @@ use validation::Rule;
 use crate::fixture::{accepted, add_pair, rejected, report_makespan, rules};
 use crate::scenarios::{GRASP, relay, rover_round_wall, side_by_side, single};
 
+mod gates;
 mod geometry;
 
 /// Moves all knots of one robot from `knot` on by `dt`, with its events.
@@ -229,42 +230,6 @@ fn v9_orderings_are_strict() {
 }
 
 #[test]
-fn v9_gates_of_actions() {
-    // The second robot grasps what the first has released, `late` after the first is home again.
-    for (late, kept) in [(-0.05, false), (-1e-3, false), (0.0, false), (2e-9, true), (0.01, true)] {
-        let (mut problem, mut plan) = relay();
-        plan.dependencies.clear();
-        let done = plan.robots[0].knots.last().unwrap().t;
-        let grasp = plan.events.iter().find(|event| event.robot == "g2").unwrap().t;
-        shift(&mut plan, 1, 1, done + late - grasp);
-        accepted(&problem, &plan);
-        problem.settings.gate = model::Gate::Action;
-        assert_eq!(rules(&problem, &plan), if kept { vec![] } else { vec![Rule::V9] }, "{late}");
-    }
-    // Of an ordering that the problem lists, too: the first has brought its arm to carry before the second releases.
-    for (late, kept) in [(-1e-3, true), (0.0, false), (1e-3, false)] {
-        let (mut problem, mut plan) = side_by_side();
-        let [first, second] = [0, 1].map(model::PairId::at);
-        problem.orderings.push(model::GivenOrdering { before: (first, Point::Grasp), after: (second, Point::Release) });
-        problem.settings.gate = model::Gate::Action;
-        accepted(&problem, &plan);
-        let carry = plan.robots[0].knots[carry_knot(&plan)].t;
-        let release =
-            plan.events.iter().find(|event| event.robot == "g2" && event.kind == EventKind::Detach).unwrap().t;
-        shift(&mut plan, 0, 1, release - carry + late);
-        assert_eq!(rules(&problem, &plan), if kept { vec![] } else { vec![Rule::V9] }, "{late}");
-    }
-}
-
-/// Where the first robot's arm is in its carry configuration.
-fn carry_knot(plan: &Plan) -> usize {
-    let is_release = |event: &&Event| event.robot == "g1" && event.kind == EventKind::Detach;
-    let release = plan.events.iter().find(is_release).expect("a release");
-    let retracts = plan.robots[0].segments.iter().filter(|segment| segment.kind == SegmentKind::Retract);
-    retracts.map(|segment| segment.to).filter(|knot| *knot < release.knot).max().expect("a retract")
-}
-
-#[test]
 fn v9_given_orderings_and_arrivals_of_a_base() {
     let rover = || rover_round_wall(model::EndPolicy::Stay);
     let first = model::PairId(0);
@@ -282,29 +247,6 @@ fn v9_given_orderings_and_arrivals_of_a_base() {
     corrupt(rover(), Rule::V9, |plan| {
         let (before, after) = (point("r1.1", Point::Start), point("r9.1", Point::Start));
         plan.orderings.push(PlanOrdering { before, after, origin: Origin::Discovered, cause: None });
-    });
-}
-
-#[test]
-fn v10_dependency_arcs() {
-    let arc = |before: (&str, usize), after: (&str, usize)| {
-        let knot = |(robot, knot): (&str, usize)| KnotRef { robot: robot.to_owned(), knot };
-        Dependency { before: knot(before), after: knot(after) }
-    };
-    for wrong in [
-        arc(("g1", 99), ("g2", 1)),
-        arc(("g3", 0), ("g2", 1)),
-        arc(("g1", 0), ("g1", 1)),
-        // The second robot leaves its first knot at 0.
-        arc(("g1", 1), ("g2", 0)),
-        arc(("g2", 2), ("g1", 3)),
-    ] {
-        corrupt(relay(), Rule::V10, |plan| plan.dependencies.push(wrong));
-    }
-    // The waiting robot leaves 0.2 s too early, while the arc still holds it.
-    corrupt(relay(), Rule::V10, |plan| {
-        plan.robots[1].knots[1].t -= 0.2;
-        shift(plan, 1, 2, -0.2);
     });
 }
 
@@ -349,4 +291,27 @@ fn v14_makespans() {
     corrupt(single(), Rule::V14, |plan| plan.makespan.task_s -= 2e-9);
     corrupt(rover_round_wall(model::EndPolicy::Return), Rule::V14, |plan| plan.makespan.task_s = plan.makespan.total_s);
     corrupt(single(), Rule::V14, |plan| plan.lower_bound.seconds = plan.makespan.task_s + 1e-6);
+}
+
+#[test]
+fn v17_dependency_arcs() {
+    let arc = |before: (&str, usize), after: (&str, usize)| {
+        let knot = |(robot, knot): (&str, usize)| KnotRef { robot: robot.to_owned(), knot };
+        Dependency { before: knot(before), after: knot(after) }
+    };
+    for wrong in [
+        arc(("g1", 99), ("g2", 1)),
+        arc(("g3", 0), ("g2", 1)),
+        arc(("g1", 0), ("g1", 1)),
+        // The second robot leaves its first knot at 0.
+        arc(("g1", 1), ("g2", 0)),
+        arc(("g2", 2), ("g1", 3)),
+    ] {
+        corrupt(relay(), Rule::V17, |plan| plan.dependencies.push(wrong));
+    }
+    // The waiting robot leaves 0.2 s too early, while the arc still holds it.
+    corrupt(relay(), Rule::V17, |plan| {
+        plan.robots[1].knots[1].t -= 0.2;
+        shift(plan, 1, 2, -0.2);
+    });
 }

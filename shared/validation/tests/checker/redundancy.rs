@@ -182,7 +182,7 @@ fn where_removals_have_to_be_completed_nothing_is_placed_while_what_stood_there_
         accepted(&problem, &plan);
         problem.settings.removal = model::Removal::Completed;
         let broken = crate::fixture::rules(&problem, &plan);
-        assert_eq!(broken, if kept { vec![] } else { vec![Rule::V9] }, "{late} {beside}");
+        assert_eq!(broken, if kept { vec![] } else { vec![Rule::V10] }, "{late} {beside}");
     }
 }
 

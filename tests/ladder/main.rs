@@ -6,6 +6,7 @@ mod facts;
 mod generator;
 mod random;
 mod regressions;
+mod rounds;
 mod run;
 mod rungs;
 mod table;

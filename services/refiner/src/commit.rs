@@ -1,5 +1,6 @@
 //! Mode by mode commitment. Where it comes to a dead end, those who are in the way of a stuck mode learn to give way to
-//! it, what they have done since is ripped up, and the modes are committed anew.
+//! it, what they have done since is ripped up, and the modes are committed anew. A complete round may be followed by others
+//! (`urgency`).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,8 +19,8 @@ const ROUNDS: usize = 8;
 
 /// How far mode by mode commitment came.
 pub(crate) enum Committed {
-    /// All modes.
-    All(ProductRef),
+    /// All modes, in one order or several.
+    All(Vec<ProductRef>),
     /// The prefixes of the round that came furthest, shortest first, and what the dead ends depend on.
     Part(Vec<ProductRef>, BTreeSet<Choice>),
     /// Robots that never move leave no way to one mode.
@@ -29,7 +30,7 @@ pub(crate) enum Committed {
 /// Which robots give way to a mode until it is committed: they park clear of it, and return home after it only. If that
 /// is not enough, they wait for it with everything.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct GiveWay(BTreeMap<ModeId, BTreeMap<RobotId, Extent>>);
+pub(crate) struct GiveWay(BTreeMap<ModeId, BTreeMap<RobotId, Extent>>);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Extent {
@@ -59,12 +60,36 @@ struct Stranded {
 
 /// One round of commitments.
 #[derive(Default)]
-struct Round {
+pub(crate) struct Round {
     /// Each robot's next mode.
-    next: Vec<usize>,
-    prefixes: Vec<ProductRef>,
+    pub(crate) next: Vec<usize>,
+    pub(crate) prefixes: Vec<ProductRef>,
+    /// Events of each robot's modes (s).
+    events_s: Vec<Vec<f64>>,
     /// At its dead end; empty if there is none.
     stranded: Vec<Stranded>,
+}
+
+impl Round {
+    pub(crate) fn new(modes: &Modes) -> Self {
+        Self { next: vec![0; modes.len()], events_s: vec![Vec::new(); modes.len()], ..Self::default() }
+    }
+
+    pub(crate) fn push(&mut self, mode: ModeId, prefix: ProductRef, event_s: f64) {
+        self.next[mode.robot.index()] += 1;
+        self.events_s[mode.robot.index()].push(event_s);
+        self.prefixes.push(prefix);
+    }
+
+    /// When a committed mode's event is (s).
+    pub(crate) fn event_s(&self, mode: ModeId) -> f64 {
+        self.events_s[mode.robot.index()].get(mode.step as usize).copied().unwrap_or(0.0)
+    }
+
+    /// When a mode begins (s), if the one before it is committed.
+    pub(crate) fn begin_s(&self, mode: ModeId) -> f64 {
+        mode.step.checked_sub(1).map_or(0.0, |step| self.event_s(ModeId { step, ..mode }))
+    }
 }
 
 impl Candidate<'_> {
@@ -75,8 +100,8 @@ impl Candidate<'_> {
         let mut conflict = Conflict::default();
         for _ in 0..ROUNDS {
             let round = self.round(search, modes, &give_way)?;
-            if let (true, Some(all)) = (self.is_complete(&round), round.prefixes.last()) {
-                return Ok(Committed::All(*all));
+            if self.is_complete(&round) {
+                return Ok(Committed::All(self.in_other_orders(search, modes, &give_way, round)?));
             }
             if round.prefixes.len() > furthest.len() {
                 furthest = round.prefixes;
@@ -99,14 +124,14 @@ impl Candidate<'_> {
         Ok(Committed::Part(furthest, conflict.choices))
     }
 
-    fn is_complete(&self, round: &Round) -> bool {
+    pub(crate) fn is_complete(&self, round: &Round) -> bool {
         self.skeleton.modes.iter().zip(&round.next).all(|(modes, next)| *next == modes.len())
     }
 
     /// Commits the mode whose event comes earliest, again and again, until all are committed or none can be. A mode that
     /// others give way to comes first.
     fn round(&self, search: &mut Search<'_>, modes: &Modes, give_way: &GiveWay) -> Result<Round, Halt> {
-        let mut round = Round { next: vec![0; modes.len()], ..Round::default() };
+        let mut round = Round::new(modes);
         while !self.is_complete(&round) {
             let ready = self.ready_modes(&round.next, give_way);
             let job = |mode: &Mode| self.commit_job(modes, &round, give_way, mode.id);
@@ -115,7 +140,7 @@ impl Candidate<'_> {
             for ((mode, job), outcome) in ready.iter().zip(&jobs).zip(search.ask(&jobs)?) {
                 match outcome.result {
                     Ok(Answer::Committed { prefix, event_s, .. }) => {
-                        let rank = (!give_way.0.contains_key(&mode.id), event_s);
+                        let rank = (!give_way.is_given(mode.id), event_s);
                         if best.is_none_or(|(least, ..)| rank < least) {
                             best = Some((rank, mode.id, prefix));
                         }
@@ -131,12 +156,12 @@ impl Candidate<'_> {
                     }
                 }
             }
-            let Some((_, mode, prefix)) = best.filter(|_| !round.stranded.iter().any(|one| one.for_ever)) else {
+            let Some(((_, event_s), mode, prefix)) = best.filter(|_| !round.stranded.iter().any(|one| one.for_ever))
+            else {
                 return Ok(round);
             };
             search.commit(LedgerEntry::Decided(Decision::Commit(mode)));
-            round.next[mode.robot.index()] += 1;
-            round.prefixes.push(prefix);
+            round.push(mode, prefix, event_s);
             round.stranded.clear();
         }
         Ok(round)
@@ -168,7 +193,7 @@ impl Candidate<'_> {
     }
 
     /// Each robot's next mode, if every event that must come before its own is committed, and nobody is given way to.
-    fn ready_modes(&self, next: &[usize], give_way: &GiveWay) -> Vec<Mode> {
+    pub(crate) fn ready_modes(&self, next: &[usize], give_way: &GiveWay) -> Vec<Mode> {
         let done = |event: &Event| {
             let robot = self.problem.pair(event.pair).robot.index();
             self.skeleton.modes[robot][..next[robot]].iter().any(|mode| mode.ends == Some(*event))
@@ -188,7 +213,7 @@ impl Candidate<'_> {
             .collect()
     }
 
-    fn commit_job(&self, modes: &Modes, round: &Round, give_way: &GiveWay, mode: ModeId) -> Job {
+    pub(crate) fn commit_job(&self, modes: &Modes, round: &Round, give_way: &GiveWay, mode: ModeId) -> Job {
         let of_robot = &modes[mode.robot.index()];
         let step = mode.step as usize;
         let clear_of = give_way.ways_before(mode.robot, &round.next);
@@ -215,6 +240,11 @@ impl GiveWay {
             known.entry(*robot).and_modify(|extent| *extent = Extent::Waits).or_insert(Extent::Parks);
         }
         *known != before
+    }
+
+    /// Whether others give way to a mode.
+    pub(crate) fn is_given(&self, mode: ModeId) -> bool {
+        self.0.contains_key(&mode)
     }
 
     /// Modes that a robot still has to give way to.

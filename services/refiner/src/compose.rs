@@ -32,12 +32,19 @@ impl Candidate<'_> {
 
     /// Mode by mode, with the composite search where that fails.
     pub(crate) fn prioritised(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Found, Stuck> {
-        let prefix = match self.commit_modes(search, modes)? {
-            Committed::All(prefix) => prefix,
+        let prefixes = match self.commit_modes(search, modes)? {
+            Committed::All(prefixes) => prefixes,
             Committed::Never(conflict) => return Err(Stuck::Failed(conflict)),
-            Committed::Part(prefixes, between) => self.drrt_from(search, modes, &prefixes, between)?,
+            Committed::Part(prefixes, between) => vec![self.drrt_from(search, modes, &prefixes, between)?],
         };
-        self.assemble(search, modes, prefix, Vec::new())
+        let mut shortest: Option<Found> = None;
+        for prefix in prefixes {
+            let found = self.assemble(search, modes, prefix, Vec::new())?;
+            if shortest.is_none_or(|so_far| found.1 < so_far.1) {
+                shortest = Some(found);
+            }
+        }
+        shortest.ok_or_else(|| misfit(StageKind::Composite).into())
     }
 
     /// The plan of a complete prefix, with rounds if it has any.

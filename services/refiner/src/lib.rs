@@ -17,6 +17,7 @@ mod orders;
 mod roadmaps;
 mod search;
 mod synchronous;
+mod urgency;
 
 use contract::{AskFault, AskStages, Ledger, LedgerEntry, ProblemStatement, ProductRef};
 use plan::{Cause, Certificate, ResultKind, StageCount};

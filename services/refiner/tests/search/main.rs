@@ -8,6 +8,7 @@ mod policies;
 mod rounds;
 mod scripted;
 mod superset;
+mod urgency;
 
 use std::collections::BTreeMap;
 

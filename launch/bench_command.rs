@@ -11,10 +11,13 @@ use serde_json::Value;
 use crate::packages::PackageArgs;
 use crate::plan_command::{Composite, MergedSteps};
 use crate::search_args::SearchArgs;
-use crate::{bench_comparison, bench_merged, exit};
+use crate::{bench_comparison, bench_merged, exit, problem_source};
+
+/// Time limit of a run (s) where neither the command line nor the problem has one.
+const TIME_LIMIT_S: f64 = 120.0;
 
 /// Arguments of `mrtamp bench`.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
     /// Problem file, or the name of a built-in scene (default: figure1).
     pub problem: Option<PathBuf>,
@@ -33,9 +36,9 @@ pub struct BenchArgs {
     /// Which of the paper's steps are done as one. Given once or more, all those are compared, with and without causes.
     #[arg(long, value_enum)]
     pub merge: Vec<MergedSteps>,
-    /// Seconds after which a search is ended.
-    #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
-    pub time_limit: f64,
+    /// Seconds after which a search is ended (default: the problem's, else 120).
+    #[arg(long, value_name = "SECONDS")]
+    pub time_limit: Option<f64>,
     /// Folder for the plans, one subfolder for each method and seed.
     #[arg(long, value_name = "DIR", default_value = "mrtamp-out/bench")]
     pub out: PathBuf,
@@ -77,8 +80,11 @@ impl Row {
 /// Plans with every seed and prints a table, medians and worst cases.
 ///
 /// # Errors
-/// When the program cannot start itself.
+/// Bad input; when the program cannot start itself.
 pub fn run(args: &BenchArgs) -> miette::Result<ExitCode> {
+    let problem = problem_source::load_with(args.problem.as_deref(), &args.packages)?;
+    let without = problem.search.time_limit.is_none().then_some(TIME_LIMIT_S);
+    let args = &BenchArgs { time_limit: args.time_limit.or(without), ..args.clone() };
     if !args.merge.is_empty() {
         return bench_merged::run(args);
     }
@@ -137,7 +143,8 @@ pub(crate) fn plan_once(
     let program = std::env::current_exe().into_diagnostic()?;
     let mut command = Command::new(program);
     command.arg("plan").args(&args.problem).args(["--json", "--seed", &seed.to_string()]).arg("--out").arg(out);
-    command.args(["--time-limit", &args.time_limit.to_string()]);
+    // Without one the problem's holds.
+    command.args(args.time_limit.iter().flat_map(|limit| ["--time-limit".to_owned(), limit.to_string()]));
     command.args(["--composite", method.name()]);
     command.args(args.search.to_arguments()).args(more);
     command.args(args.packages.to_arguments());

@@ -2,14 +2,16 @@
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 
-use contract::{AskFault, Ledger, LedgerEntry, ProblemStatement, StageKind};
+use contract::{AskFault, Ledger, LedgerEntry, ProblemStatement};
 use miette::IntoDiagnostic;
-use plan::{Cause, Certificate, Failure, Plan, Provenance, ResultKind};
+use plan::{Cause, Certificate, Failure, Plan, ResultKind};
 use refiner::End;
 
 use crate::in_process::RunEnd;
 use crate::progress::{Progress, tally};
+use crate::provenance::{provenance, stopped_by};
 use crate::report::{PlanFigures, Report, StageFigures, stage_figures, summary};
 use crate::result_folder::ResultFolder;
 use crate::{exit, explain, view};
@@ -24,6 +26,8 @@ pub struct Conclusion<'a> {
     pub json: bool,
     /// Also why the plan is as it is.
     pub explain: bool,
+    /// The run's limit on time.
+    pub time_limit: Option<Duration>,
     /// The run's clock, counts and lines.
     pub progress: &'a Progress,
 }
@@ -83,7 +87,7 @@ impl Conclusion<'_> {
             (true, false) => {}
         }
         let stages = stage_figures(&run.refinement.stages, &run.busy);
-        self.report("solved", &file, Some(figures), &[], stages);
+        self.report("solved", &file, Some(figures), None, stages);
         Ok(ExitCode::from(exit::SOLVED))
     }
 
@@ -99,6 +103,7 @@ impl Conclusion<'_> {
             format: plan::FAILURE_FORMAT.to_owned(),
             problem: self.statement.problem.name.clone(),
             result,
+            stopped_by: stopped_by(self.statement, run, self.time_limit),
             causes: causes.to_vec(),
             certificate: certificate.cloned(),
             stages: run.refinement.stages.clone(),
@@ -139,7 +144,7 @@ impl Conclusion<'_> {
             ResultKind::LimitReached => folder.keep_earlier_plan(),
             ResultKind::InfeasibleProven | ResultKind::SamplesExhausted => folder.set_earlier_plan_aside()?,
         }
-        self.report(name, &file, None, &failure.causes, stage_figures(&failure.stages, &run.busy));
+        self.report(name, &file, None, Some(failure), stage_figures(&failure.stages, &run.busy));
         Ok(ExitCode::from(code))
     }
 
@@ -148,7 +153,7 @@ impl Conclusion<'_> {
         result: &str,
         file: &Path,
         plan: Option<PlanFigures>,
-        causes: &[(Cause, u64)],
+        failure: Option<&Failure>,
         stages: Vec<StageFigures<'_>>,
     ) {
         self.progress.emit(&Report {
@@ -159,7 +164,8 @@ impl Conclusion<'_> {
             file: file.display().to_string(),
             elapsed_s: self.progress.elapsed_s(),
             plan,
-            causes,
+            stopped_by: failure.and_then(|failure| failure.stopped_by.as_ref()),
+            causes: failure.map_or(&[], |failure| &failure.causes),
             stages,
         });
     }
@@ -168,20 +174,6 @@ impl Conclusion<'_> {
 /// Whether the search came to its own end: a limit on work is one, a limit on time is not.
 fn ended_itself(run: &RunEnd) -> bool {
     matches!(run.refinement.ledger.entries.last(), Some(LedgerEntry::LimitReached { .. }))
-}
-
-/// What a plan or failure was made from.
-#[must_use]
-pub fn provenance(statement: &ProblemStatement, ledger: &Ledger) -> Provenance {
-    Provenance {
-        problem_digest: statement.problem_digest().hex(),
-        seed: statement.seed,
-        implementations: StageKind::ALL
-            .into_iter()
-            .map(|stage| format!("{stage} {}", statement.implementation(stage)))
-            .collect(),
-        ledger_digest: ledger.digest().hex(),
-    }
 }
 
 /// The finished plan of a solved run: the product's, with its provenance.

@@ -20,6 +20,7 @@ pub mod playback;
 pub mod problem_source;
 pub mod processes;
 pub mod progress;
+pub mod provenance;
 pub mod refine_command;
 pub mod report;
 pub mod result_file;

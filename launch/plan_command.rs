@@ -165,7 +165,7 @@ pub fn run(args: &PlanArgs) -> miette::Result<ExitCode> {
         keep_replay(&args.out, &run, end.as_ref().and_then(|end| end.replay.as_deref()))?;
         let statement = end.map_or(statement, |end| end.statement);
         let (out, json, explain) = (&args.out, args.json, args.explain);
-        Conclusion { statement: &statement, out, json, explain, progress: &progress }.conclude(&run)
+        Conclusion { statement: &statement, out, json, explain, time_limit, progress: &progress }.conclude(&run)
     });
     progress.finish();
     concluded

@@ -1,7 +1,7 @@
 //! The result of a run in figures: for programs as JSON, for users as a summary.
 
 use contract::StageKind;
-use plan::{Cause, Origin, Plan, StageCount};
+use plan::{Cause, Origin, Plan, StageCount, StoppedBy};
 use serde::Serialize;
 
 use crate::in_process::RunEnd;
@@ -25,6 +25,9 @@ pub struct Report<'a> {
     /// The plan, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanFigures>,
+    /// What ended the search before it had tried everything, if anything did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped_by: Option<&'a StoppedBy>,
     /// Causes with counts, if there is none.
     pub causes: &'a [(Cause, u64)],
     /// Each stage.

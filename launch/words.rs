@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use contract::{Decision, DiscoveredOrder};
 use model::Problem;
-use plan::{BodyRef, Cause, Certificate, Distance, DistanceLimit, PairEnd, PairPoint, PlanOrdering, ResultKind};
+use plan::{
+    BodyRef, Cause, Certificate, Distance, DistanceLimit, PairEnd, PairPoint, PlanOrdering, ResultKind, StoppedBy,
+};
 use skeleton::ModeId;
 
 /// A mode, e.g. `r1.2 transfer`.
@@ -52,6 +54,19 @@ pub fn result(result: ResultKind) -> &'static str {
         ResultKind::InfeasibleProven => "There is no plan: proven.",
         ResultKind::SamplesExhausted => "No plan among the samples tried. That is no proof.",
         ResultKind::LimitReached => "No plan so far: a limit or a signal ended the search.",
+    }
+}
+
+/// What ended a search early.
+#[must_use]
+pub fn stopped_by(stopped_by: &StoppedBy) -> String {
+    match stopped_by {
+        StoppedBy::Policy { stage, policy } => format!("ended by the policy of {stage}, `{policy}`, when it failed"),
+        StoppedBy::WorkLimit { of, limit, spent } => {
+            format!("ended by the limit on work of {of}: {limit} units, {spent} were spent")
+        }
+        StoppedBy::TimeLimit { seconds } => format!("ended by the time limit: {seconds} s"),
+        StoppedBy::Signal => "ended by a signal".to_owned(),
     }
 }
 

@@ -18,6 +18,9 @@ const LISTED: usize = 6;
 #[must_use]
 pub fn failure_text(problem: &Problem, failure: &Failure) -> String {
     let mut text = format!("{}\n", words::result(failure.result));
+    if let Some(stopped_by) = &failure.stopped_by {
+        text += &format!("  {}\n", words::stopped_by(stopped_by));
+    }
     if let Some(certificate) = &failure.certificate {
         text += &format!("  {}\n", words::proof(certificate));
     }

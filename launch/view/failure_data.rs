@@ -81,7 +81,7 @@ fn tried(problem: &Problem, failure: &Failure) -> Tried {
         (ResultKind::LimitReached, _) => "As much as the limit allowed:".to_owned(),
         (ResultKind::InfeasibleProven, _) => "As much as the proof needed:".to_owned(),
     };
-    let mut lines = Vec::new();
+    let mut lines: Vec<String> = failure.stopped_by.iter().map(crate::words::stopped_by).collect();
     if failure.result == ResultKind::SamplesExhausted {
         lines.push(format!("{} placements for each hop of an object", grown(levels.placements)));
         lines.push(format!(

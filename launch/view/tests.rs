@@ -35,7 +35,13 @@ fn standing_plan(problem: &Problem) -> Plan {
 }
 
 fn provenance() -> plan::Provenance {
-    plan::Provenance { problem_digest: "d".into(), seed: 0, implementations: Vec::new(), ledger_digest: "l".into() }
+    plan::Provenance {
+        problem_digest: "d".into(),
+        seed: 0,
+        implementations: Vec::new(),
+        search: plan::SearchRecord::default(),
+        ledger_digest: "l".into(),
+    }
 }
 
 fn failure(causes: Vec<(Cause, u64)>) -> Failure {
@@ -43,6 +49,7 @@ fn failure(causes: Vec<(Cause, u64)>) -> Failure {
         format: plan::FAILURE_FORMAT.into(),
         problem: "p".into(),
         result: ResultKind::SamplesExhausted,
+        stopped_by: None,
         causes,
         certificate: None,
         stages: vec![StageCount { stage: "placement".into(), jobs: 3, failures: 2, work: 10 }],

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
-use plan::{Failure, ResultKind};
+use plan::{Failure, ResultKind, StoppedBy};
 use serde_json::Value;
 
 use crate::processes::{children, kill as kill_now, shared_memory_of};
@@ -94,6 +94,7 @@ fn interrupt(signal: Signal, more: &[&str]) {
     drop(ended_by_itself);
     let result: Value = serde_json::from_str(&last).unwrap();
     assert_eq!((&result["event"], &result["result"]), (&"result".into(), &"limit_reached".into()));
+    assert_eq!(failure.stopped_by, Some(StoppedBy::Signal));
     assert!(failure.reached.is_some_and(|reached| reached.candidates >= 1), "{:?}", failure.reached);
     let stages: Vec<&str> = failure.stages.iter().map(|stage| stage.stage.as_str()).collect();
     assert_eq!(stages, ["placement", "transition", "roadmap", "composite"]);
@@ -131,7 +132,8 @@ fn a_time_limit_ends_a_run_like_an_interrupt() {
         let status = ended(&mut child);
         let mut said = String::new();
         std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut said).unwrap();
-        assert_cut_short(folder.path(), status, &said);
+        let failure = assert_cut_short(folder.path(), status, &said);
+        assert_eq!(failure.stopped_by, Some(StoppedBy::TimeLimit { seconds: 1.0 }));
         let last: Value = serde_json::from_str(&reader.join().unwrap().unwrap()).unwrap();
         assert_eq!(last["result"], "limit_reached");
         assert!(shared_memory_of(child.id()).is_empty());

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use contract::CompositeMethod::{Drrt, Prioritised};
-use model::{Gate, Removal};
-use plan::{Cause, Certificate, Origin, ResultKind};
+use model::{FailurePolicy, Gate, Removal};
+use plan::{Cause, Certificate, Origin, ResultKind, StoppedBy};
 use refiner::End;
 use validation::{Rule, check_plan};
 
@@ -33,7 +33,10 @@ fn runs_cut_short_by_a_limit_on_work_leave_equal_bytes_in_one_process_and_in_sev
         assert_eq!(failure.result, ResultKind::LimitReached);
         let stage = limit.split_once('=').unwrap().0;
         assert!(failure.causes.iter().any(|(cause, _)| *cause == Cause::Budget { stage: stage.into() }), "{limit}");
-        assert!(failure.stages.iter().any(|count| count.stage == stage && count.jobs > 0), "{limit}");
+        let spent = failure.stages.iter().find(|count| count.stage == stage && count.jobs > 0).unwrap().work;
+        let of = (stage.to_owned(), limit.split_once('=').unwrap().1.parse().unwrap());
+        assert!(spent > of.1, "{limit}: {spent}");
+        assert_eq!(failure.stopped_by, Some(StoppedBy::WorkLimit { of: of.0, limit: of.1, spent }), "{limit}");
         assert!(plan(&arguments, folder.path()) == (Some(5), alone), "{limit}");
     }
 }
@@ -71,6 +74,75 @@ fn the_command_line_wins_over_the_launch_file_and_that_over_the_problem() {
     assert_eq!(exceeded(&of_problem), "placement");
     assert_eq!(exceeded(&of_set), "transition");
     assert_eq!(exceeded(&of_user), "Some(0)");
+}
+
+#[test]
+fn what_stopped_a_search_is_in_its_failure_and_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = [
+        (&["t14_blocked_for_ever", "--policy", "transition=stop"][..], 4, "ended by the policy of transition, `stop`"),
+        (&["t19b_no_bay", "--policy", "composite=stop"], 4, "ended by the policy of composite, `stop`"),
+        (&["t03_relay", "--limit", "drrt=1", "--composite", "drrt"], 5, "ended by the limit on work of drrt: 1 units"),
+        (&["t06_contradiction"], 3, ""),
+    ];
+    for (arguments, code, words) in cases {
+        let mut command = Command::cargo_bin("mrtamp").unwrap();
+        let command = command.args(["plan", "--in-process", "--json", "--out", "out"]).args(arguments);
+        let ended = command.current_dir(folder.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(code), "{said}");
+        assert!(said.contains(words) && words.is_empty() != said.contains("ended by"), "{said}");
+        let failure = plan::read_failure(&std::fs::read(folder.path().join("out/failure.json")).unwrap()).unwrap();
+        assert_eq!(failure.stopped_by.as_ref().map(launch::words::stopped_by).is_some(), !words.is_empty());
+        if words.contains("policy") {
+            let stage = words.split([' ', ',']).nth(5).unwrap().to_owned();
+            assert_eq!(failure.stopped_by, Some(StoppedBy::Policy { stage, policy: FailurePolicy::Stop }));
+        }
+        let told = serde_json::to_value(&failure).unwrap();
+        let last: serde_json::Value =
+            serde_json::from_str(String::from_utf8_lossy(&ended.stdout).lines().last().unwrap()).unwrap();
+        assert_eq!(last["stopped_by"], told["stopped_by"]);
+    }
+}
+
+#[test]
+fn a_plan_is_made_again_from_what_it_says_of_the_search() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, by_default) = plan(&["t05_tiny_region", "--in-process", "--policy", "roadmap=backtrack"], folder.path());
+    assert_eq!(code, Some(0));
+    assert!(!String::from_utf8_lossy(&by_default).contains("\"search\""), "the defaults are not said");
+    let asked = ["--composite", "shorter", "--merge", "1-2", "--policy", "transition=more:2:3"];
+    let asked =
+        [&["t05_tiny_region", "--in-process"][..], &asked, &["--limit", "drrt=90000", "--policy", "composite=stop"]];
+    let (code, made) = plan(&asked.concat(), folder.path());
+    assert_eq!(code, Some(0));
+    let search = plan::read_plan(&made).unwrap().provenance.search;
+    let mut again = vec!["t05_tiny_region".to_owned(), "--in-process".to_owned()];
+    let mut say = |option: &str, value: String| again.extend([option.to_owned(), value]);
+    say("--composite", search.composite.clone().unwrap());
+    say("--merge", search.merge.clone().unwrap());
+    search.policy.iter().for_each(|(stage, policy)| say("--policy", format!("{stage}={policy}")));
+    search.limit.iter().for_each(|(work, units)| say("--limit", format!("{work}={units}")));
+    assert_eq!(again.len(), 12, "{again:?}");
+    let (code, made_again) = plan(&again.iter().map(String::as_str).collect::<Vec<_>>(), folder.path());
+    assert!((code, made_again) == (Some(0), made));
+}
+
+#[test]
+fn a_bench_keeps_the_time_limit_of_its_problem_unless_it_is_given_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = scene_path("t00_one_arm");
+    let text = std::fs::read_to_string(&scenes).unwrap();
+    let text = text.replace("../robots", &scenes.parent().unwrap().join("../robots").to_string_lossy());
+    std::fs::write(folder.path().join("problem.yaml"), format!("{text}\nsearch: {{time_limit: 0}}\n")).unwrap();
+    for (more, code, end) in [(&[][..], 4, "limit_reached"), (&["--time-limit", "60"], 0, "solved")] {
+        let mut command = Command::cargo_bin("mrtamp").unwrap();
+        let bench = command.args(["bench", "problem.yaml", "--seeds", "1", "--in-process"]).args(more);
+        let ended = bench.current_dir(folder.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stdout);
+        assert_eq!(ended.status.code(), Some(code), "{more:?}: {said}");
+        assert!(said.lines().nth(1).unwrap().ends_with(end), "{more:?}: {said}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Why there is no plan.
 
+use model::FailurePolicy;
 use serde::{Deserialize, Serialize};
 
 use crate::{Certificate, PairPoint, Provenance};
@@ -14,6 +15,9 @@ pub struct Failure {
     pub problem: String,
     /// How the search ended.
     pub result: ResultKind,
+    /// What ended the search before it had tried everything; absent if nothing did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stopped_by: Option<StoppedBy>,
     /// Causes with how often each was met, most frequent first.
     pub causes: Vec<(Cause, u64)>,
     /// The proof, if the result is one.
@@ -38,6 +42,35 @@ pub enum ResultKind {
     SamplesExhausted,
     /// A limit on time or work ended the run.
     LimitReached,
+}
+
+/// What ends a search before it has tried everything.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum StoppedBy {
+    /// A stage failed whose policy is to stop then.
+    Policy {
+        /// Stage.
+        stage: String,
+        /// Its policy.
+        policy: FailurePolicy,
+    },
+    /// A limit on work.
+    WorkLimit {
+        /// The stage whose work is limited, or `drrt`.
+        of: String,
+        /// The limit (work units).
+        limit: u64,
+        /// Work units that were spent when it was noticed.
+        spent: u64,
+    },
+    /// A limit on time.
+    TimeLimit {
+        /// The limit (s).
+        seconds: f64,
+    },
+    /// Somebody outside, by a signal.
+    Signal,
 }
 
 /// How far a search came before it ended.

@@ -16,10 +16,10 @@ pub use certificate::{
     RefutedGrasp, Stay,
 };
 pub use dependency::{Dependency, KnotRef};
-pub use failure::{BodyRef, Cause, Failure, Reached, ResultKind, StageCount};
+pub use failure::{BodyRef, Cause, Failure, Reached, ResultKind, StageCount, StoppedBy};
 pub use file::{FAILURE_FORMAT, PLAN_FORMAT, PlanFileError, read_failure, read_plan, write_failure, write_plan};
 pub use ordering::{Origin, PairPoint, PlanOrdering};
-pub use provenance::{LowerBound, Makespan, Provenance};
+pub use provenance::{LowerBound, Makespan, Provenance, SearchRecord};
 pub use skeleton::ModeKind;
 pub use trajectory::{Event, EventKind, Knot, PoseRecord, RobotTrajectory, Segment, SegmentKind};
 

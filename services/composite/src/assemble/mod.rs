@@ -12,7 +12,7 @@ mod trajectory;
 
 use contract::{Answer, Assignment, CauseTally, Interrupted, JobContext, Outcome, Product, ProductRef};
 use model::{Point, RobotId, Standing};
-use plan::{Dependency, KnotRef, LowerBound, Makespan, PLAN_FORMAT, Plan, Provenance};
+use plan::{Dependency, KnotRef, LowerBound, Makespan, PLAN_FORMAT, Plan, Provenance, SearchRecord};
 use skeleton::{ArcOrigin, Event, EventGraph, ModeId};
 
 use crate::commit::Orders;
@@ -90,6 +90,7 @@ impl AssembleJob<'_> {
                     .iter()
                     .map(|(stage, implementation)| format!("{stage} {implementation}"))
                     .collect(),
+                search: SearchRecord::default(),
                 ledger_digest: String::new(),
             },
         })

@@ -5,8 +5,8 @@ use model::{
     RobotId, SearchSettings, Settings,
 };
 use plan::{
-    Event, EventKind, Knot, LowerBound, Makespan, ModeKind, PLAN_FORMAT, Plan, Provenance, RobotTrajectory, Segment,
-    SegmentKind,
+    Event, EventKind, Knot, LowerBound, Makespan, ModeKind, PLAN_FORMAT, Plan, Provenance, RobotTrajectory,
+    SearchRecord, Segment, SegmentKind,
 };
 use validation::{Rule, Verdict, Violation, check_plan};
 
@@ -183,6 +183,7 @@ pub fn finish(problem: &Problem, writers: Vec<Writer>) -> Plan {
             problem_digest: String::new(),
             seed: 0,
             implementations: Vec::new(),
+            search: SearchRecord::default(),
             ledger_digest: String::new(),
         },
     };

@@ -1,6 +1,6 @@
 //! Plans in which everybody has a clock of their own against plans in rounds, on the same placements, grasps and roadmaps.
 
-use contract::CompositeMethod::{self, Prioritised, SyncOpt};
+use contract::CompositeMethod::{self, Prioritised, SyncGreedy, SyncOpt};
 use model::Problem;
 
 use crate::run::run;
@@ -26,5 +26,15 @@ fn plans_are_no_longer_than_those_in_rounds_where_right_of_way_decides() {
             assert_eq!(own.0, rounds.0, "{name} with seed {seed}: not from the same choices");
             assert!(own.1 <= rounds.1 + 1e-9, "{name} with seed {seed}: {} s, in rounds {} s", own.1, rounds.1);
         }
+    }
+}
+
+/// The round in which the two pass one another is found: one waits in the bay in the middle of its mode.
+#[test]
+fn rounds_in_which_one_makes_room_for_the_other_are_found() {
+    let problem = scene("t19_passing_bay");
+    for method in [SyncGreedy, SyncOpt] {
+        let (bound_s, task_s) = seconds(&problem, 0, method);
+        assert!(bound_s <= task_s && task_s < 1.6 * bound_s, "{task_s} s, bound {bound_s} s");
     }
 }

@@ -13,10 +13,11 @@
 //!   Where that ends before all is done, the last round is chosen anew.
 //! * *Optimal*: the least sum of the rounds' lengths over **all** sequences of rounds, where the length of a round is what
 //!   the planner of rounds says ([`rounds::RoundPlanner`]): robots one after the other by safe-interval search, in every
-//!   order for up to four robots. A round that is shorter than all those, or that only a search over all its robots at once
-//!   finds, is not known to it. What it minimises is when everybody is home, not when the last arm is folded.
+//!   order for up to four robots; where no order serves, one of them first makes room ([`evasion`]). A round that is shorter
+//!   than all those, or that only a search over all its robots at once finds, is not known to it. What it minimises is when everybody is home, not when the last arm is folded.
 
 mod commitments;
+mod evasion;
 mod greedy;
 mod needs;
 mod optimal;

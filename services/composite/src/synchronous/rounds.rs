@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use contract::{CauseTally, JobContext};
 use plan::Cause;
 
+use super::evasion::{Leg, leg};
 use super::sequence::{Done, Rounds, Sequence, Stop, after};
 use super::team::Team;
 use super::unit::{Around, Unit, UnitJob};
@@ -25,6 +26,9 @@ pub(super) struct Round {
     /// Until the last of them is over (s).
     pub length_s: f64,
 }
+
+/// A robot whose turn it is to be planned, and what it has done already to make room.
+type Turn<'a> = (usize, Option<&'a Leg>);
 
 /// What planning a round in one order came to.
 enum Planned {
@@ -82,6 +86,7 @@ impl<'a, 'c, 'j> RoundPlanner<'a, 'c, 'j> {
         let mut best: Option<Round> = None;
         for order in self.orders(done, robots) {
             let limit_s = best.as_ref().map_or(f64::INFINITY, |best| best.length_s);
+            let order: Vec<Turn<'_>> = order.iter().map(|robot| (*robot, None)).collect();
             match self.plan_in_order(done, &order, around.clone(), limit_s)? {
                 Planned::Round(round) => best = Some(round),
                 Planned::Longer => {}
@@ -93,7 +98,38 @@ impl<'a, 'c, 'j> RoundPlanner<'a, 'c, 'j> {
                 break;
             }
         }
+        if best.is_none() { self.plan_with_evasion(done, robots, &around) } else { Ok(best) }
+    }
+
+    /// The shortest round in which one robot first makes room for the others.
+    fn plan_with_evasion(&mut self, done: &[u32], robots: &[usize], around: &Around) -> Result<Option<Round>, Stop> {
+        let mut best: Option<Round> = None;
+        for &evader in robots {
+            let others: Vec<usize> = robots.iter().copied().filter(|robot| *robot != evader).collect();
+            let Some(leg) = self.leg(done, evader, &others, around)? else { continue };
+            let mut around = around.clone();
+            around.robots[evader].clone_from(&leg.moves);
+            let turns: Vec<Turn<'_>> =
+                others.iter().map(|robot| (*robot, None)).chain([(evader, Some(&leg))]).collect();
+            let limit_s = best.as_ref().map_or(f64::INFINITY, |best| best.length_s);
+            if let Planned::Round(round) = self.plan_in_order(done, &turns, around, limit_s)? {
+                best = Some(round);
+            }
+        }
         Ok(best)
+    }
+
+    /// How a robot gets out of the others' way, each of which alone would take its shortest.
+    fn leg(&mut self, done: &[u32], evader: usize, others: &[usize], around: &Around) -> Result<Option<Leg>, Stop> {
+        let mut ways = Vec::new();
+        let mut standing = around.clone();
+        for &robot in others {
+            let alone = UnitJob { team: self.team, robot, done, around, leg: None }.plan(self.context)?;
+            let Ok(alone) = alone else { return Ok(None) };
+            ways.extend(alone.moves.iter().map(|step| step.travel));
+            standing.robots[robot] = self.idle(robot, done);
+        }
+        leg(self.team, evader, done, &standing, &ways, self.context)
     }
 
     /// Who would stand where when the round is over, if that cannot be: a robot, and who is in its way.
@@ -125,12 +161,13 @@ impl<'a, 'c, 'j> RoundPlanner<'a, 'c, 'j> {
 
     /// Those that idle, and the objects that stand.
     fn around(&self, done: &[u32], robots: &[usize]) -> Result<Around, Stop> {
-        let idle = |robot: usize| {
-            let travel = self.team.stand(robot, done[robot]);
-            vec![TimedMove { travel, begins_s: 0.0, ends_s: f64::INFINITY }]
-        };
-        let moves = |robot: usize| if robots.contains(&robot) { Vec::new() } else { idle(robot) };
+        let moves = |robot: usize| if robots.contains(&robot) { Vec::new() } else { self.idle(robot, done) };
         Ok(Around { robots: (0..done.len()).map(moves).collect(), standings: self.team.standings(done)? })
+    }
+
+    fn idle(&self, robot: usize, done: &[u32]) -> Vec<TimedMove> {
+        let travel = self.team.stand(robot, done[robot]);
+        vec![TimedMove { travel, begins_s: 0.0, ends_s: f64::INFINITY }]
     }
 
     /// Orders in which to plan: who takes longest first, then all others in lexicographic order.
@@ -145,13 +182,13 @@ impl<'a, 'c, 'j> RoundPlanner<'a, 'c, 'j> {
     fn plan_in_order(
         &mut self,
         done: &[u32],
-        order: &[usize],
+        order: &[Turn<'_>],
         mut around: Around,
         limit_s: f64,
     ) -> Result<Planned, Stop> {
         let mut round = Round { units: Vec::new(), length_s: 0.0 };
-        for (place, &robot) in order.iter().enumerate() {
-            let planned = UnitJob { team: self.team, robot, done, around: &around }.plan(self.context)?;
+        for (place, &(robot, leg)) in order.iter().enumerate() {
+            let planned = UnitJob { team: self.team, robot, done, around: &around, leg }.plan(self.context)?;
             let planned = match planned {
                 Ok(planned) => planned,
                 Err(in_the_way) => {

@@ -1,15 +1,16 @@
 //! One robot's unit in a round, by safe-interval search among those that idle and those planned before it.
 
-use contract::{Commitment, EdgeKind, JobContext};
+use contract::{Commitment, EdgeKind, JobContext, Move};
 use skeleton::ModeId;
 
+use super::evasion::Leg;
 use super::rounds::spend;
 use super::sequence::Stop;
 use super::team::{Team, TeamMode};
 use crate::commit::{GAP_S, INSTANT_S, Mover};
 use crate::sipp::{Blocker, Gates, Search, State, Step, Traffic};
 use crate::timeline::approach_s;
-use crate::{TimedMove, TimedStanding};
+use crate::{Scene, TimedMove, TimedStanding};
 
 /// Who and what else is there in a round. Times count from its beginning.
 #[derive(Clone)]
@@ -46,6 +47,8 @@ pub(super) struct UnitJob<'a> {
     pub robot: usize,
     pub done: &'a [u32],
     pub around: &'a Around,
+    /// What it has done already to make room.
+    pub leg: Option<&'a Leg>,
 }
 
 impl UnitJob<'_> {
@@ -63,8 +66,8 @@ impl UnitJob<'_> {
             gates.goal_s = ends_s + GAP_S;
         }
         let (graph, conflicts) = (&next.graph, &self.team.scene.conflicts);
-        let (start, bound_s) = ((graph.roadmap.start, 0.0, 0.0), next.to_goal_s.clone());
-        let mut search = Search::new(graph, &traffic, conflicts, gates, bound_s, start);
+        let start = self.leg.map_or((graph.roadmap.start, 0.0, 0.0), |leg| (leg.vertex, leg.ends_s, leg.ends_s));
+        let mut search = Search::new(graph, &traffic, conflicts, gates, next.to_goal_s.clone(), start);
         let mut in_the_way = Vec::new();
         while let Some(index) = search.next() {
             spend(context)?;
@@ -73,7 +76,8 @@ impl UnitJob<'_> {
                 continue;
             }
             let interval = search.interval(&state);
-            let unit = unit(next, search.path(index), &state, &gates);
+            let before = self.leg.map_or(&[][..], |leg| &leg.path);
+            let unit = unit(next, [before, &search.path(index)].concat(), &state, &gates);
             if next.mode.ends.is_none() {
                 if interval.until_s == f64::INFINITY {
                     return Ok(Ok(self.planned(next, unit)?));
@@ -111,10 +115,7 @@ impl UnitJob<'_> {
         let scene = self.team.scene;
         let start = next.graph.vertex(next.graph.roadmap.start).clone();
         let commitment = next.commitment(&unit, 0.0, Mover::new(start, 0.0));
-        let robot = next.mode.id.robot;
-        let moving = commitment.moves.iter().filter(|step| step.ends_s > step.begins_s);
-        let mut moves: Vec<TimedMove> =
-            moving.map(|step| TimedMove::new(scene, robot, commitment.holding, step)).collect();
+        let mut moves = timed_moves(scene, next, &commitment.moves);
         let travel = self.team.stand(self.robot, self.done[self.robot] + 1);
         moves.push(TimedMove { travel, begins_s: commitment.event_s, ends_s: f64::INFINITY });
         let standing = self.team.scene.placed(self.team.assignment, &next.mode)?;
@@ -122,6 +123,12 @@ impl UnitJob<'_> {
         let placed = standing.map(|standing| TimedStanding { standing, from_s, until_s: f64::INFINITY });
         Ok(PlannedUnit { unit, moves, placed })
     }
+}
+
+/// The moves of a mode that take time.
+pub(super) fn timed_moves(scene: &Scene, of: &TeamMode<'_>, moves: &[Move]) -> Vec<TimedMove> {
+    let moving = moves.iter().filter(|step| step.ends_s > step.begins_s);
+    moving.map(|step| TimedMove::new(scene, of.mode.id.robot, of.graph.roadmap.holding, step)).collect()
 }
 
 fn unit(next: &TeamMode<'_>, path: Vec<Step>, state: &State, gates: &Gates) -> Unit {

@@ -164,6 +164,39 @@ fn random_worlds_are_scheduled_without_contact_and_every_execution_keeps_the_rou
     assert!(solved >= 30 && shorter >= 3, "{solved} schedules, optimal shorter in {shorter}");
 }
 
+/// A lane with a spur at either end, where each disc starts and picks and where the other one's object goes, and a bay in the
+/// middle, if there is one.
+fn lane(with_bay: bool) -> World {
+    let mut world = World::grid(5, 1, 0.7);
+    world.points.extend([[0.0, -0.8], [2.8, -0.8], [1.4, 0.8]]);
+    world.ways.extend([(0, 5), (4, 6)]);
+    world.ways.extend(with_bay.then_some((2, 7)));
+    (world.starts, world.objects) = (vec![5, 6], vec![5, 6]);
+    world.errands =
+        vec![Errand { robot: 0, object: 0, from: 5, to: 6 }, Errand { robot: 1, object: 1, from: 6, to: 5 }];
+    world
+}
+
+#[test]
+fn within_a_round_one_makes_room_in_a_bay_where_nobody_can_go_first() {
+    for choice in [RoundChoice::Greedy, RoundChoice::Optimal] {
+        assert!(schedule(&lane(false).build(), choice).is_err(), "they pass one another in the lane");
+        let toy = lane(true).build();
+        let (prefix, rounds, ends_s) = schedule(&toy, choice).unwrap();
+        for step in [1, 2] {
+            assert!(rounds.contains(&vec![mode(0, step), mode(1, step)]), "{rounds:?}");
+        }
+        let commitments = toy.commitments(prefix);
+        assert_free(&toy, &commitments, "a lane with a bay");
+        let in_the_bay = |commitment: &&contract::Commitment| commitment.moves.iter().any(|step| step.to[1] == 0.8);
+        assert_eq!(commitments.iter().filter(in_the_bay).count(), 2, "one in each of two rounds");
+        // To the bay and on, as long as the other one needs to pass: less than one after the other.
+        let one_by_one_s = 4.0 * (0.8 + 2.8 + 0.8);
+        assert!(ends_s < one_by_one_s, "{ends_s} s");
+        assert!((toy.assemble_rounds(prefix, rounds).makespan.total_s - ends_s).abs() < 1e-6);
+    }
+}
+
 #[test]
 fn discs_that_must_pass_one_another_in_a_corridor_have_no_rounds_and_are_named() {
     let mut world = World::grid(9, 1, 0.7);

@@ -24,7 +24,7 @@ fn pair(problem: &Problem, name: &str) -> model::PairId {
 }
 
 /// A scene's text with some of it replaced.
-fn edited(name: &str, edits: &[(&str, &str)]) -> Problem {
+pub fn edited(name: &str, edits: &[(&str, &str)]) -> Problem {
     let path = format!("{}/launch/scenes/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
     let mut text = std::fs::read_to_string(path).unwrap();
     for (old, new) in edits {

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use contract::{
-    AskFault, AskStages, CompositeMethod, DirectCalls, Foresight, Job, JobId, Ledger, Outcome, ProblemStatement,
-    StageKind,
+    Answer, AskFault, AskStages, CompositeMethod, DirectCalls, Foresight, Job, JobId, Ledger, Outcome,
+    PlacementCandidate, ProblemStatement, StageKind,
 };
 use launch::ending::finished_plan;
 use launch::stages::{BusyTimes, own_stages};
-use model::Problem;
+use model::{PairId, Problem};
 use plan::{Certificate, Plan};
 use refiner::{End, refine_plan};
 
@@ -34,6 +34,8 @@ pub struct Run {
     pub asked: BTreeMap<StageKind, u64>,
     /// Work units of transition, roadmap and composite; what is asked again costs nothing.
     pub work: u64,
+    /// Placement candidates taken up, in order: each pair's sample.
+    pub candidates: Vec<BTreeMap<PairId, u32>>,
 }
 
 impl Run {
@@ -48,6 +50,7 @@ struct Watched<'a> {
     asked: BTreeMap<StageKind, u64>,
     worked: BTreeSet<JobId>,
     work: u64,
+    candidates: Vec<BTreeMap<PairId, u32>>,
     limit: u64,
     instead: Option<Instead<'a>>,
 }
@@ -76,6 +79,12 @@ impl Watched<'_> {
             Some(outcome) => outcome,
             None => self.calls.ask(std::slice::from_ref(job))?.pop().ok_or(AskFault::Cancelled)?,
         };
+        if let Ok(Answer::Placements(candidates)) = &outcome.result {
+            let samples = |candidate: &PlacementCandidate| {
+                candidate.placements.iter().map(|placed| (placed.pair, placed.sample)).collect()
+            };
+            self.candidates.extend(candidates.iter().map(samples));
+        }
         if job.stage() != StageKind::Placement && self.worked.insert(self.calls.job_id(job)) {
             self.work += outcome.work;
         }
@@ -100,14 +109,16 @@ pub fn run_with(
     let stages = own_stages(&statement, &BusyTimes::default()).expect("the geometry of a valid problem is usable");
     let calls = DirectCalls::new(statement.clone(), stages, Arc::new(AtomicBool::new(false)));
     let products = calls.products();
-    let mut watched = Watched { calls, asked: BTreeMap::new(), worked: BTreeSet::new(), work: 0, limit, instead };
+    let (asked, worked) = (BTreeMap::new(), BTreeSet::new());
+    let mut watched = Watched { calls, asked, worked, work: 0, candidates: Vec::new(), limit, instead };
     let refinement = refine_plan(&statement, &mut watched, &mut |_| ());
     let plan = match &refinement.end {
         End::Solved { plan, .. } => products.get(&plan.digest),
         End::Failed { .. } | End::Fault(_) => None,
     };
     let plan = plan.map(|bytes| finished_plan(&statement, &refinement.ledger, &bytes).expect("a plan"));
-    Run { end: refinement.end, plan, ledger: refinement.ledger, asked: watched.asked, work: watched.work }
+    let Watched { asked, work, candidates, .. } = watched;
+    Run { end: refinement.end, plan, ledger: refinement.ledger, asked, work, candidates }
 }
 
 /// What the checker says of a certificate.

@@ -95,6 +95,10 @@ fn tell(job: &Job, outcome: &Outcome) {
             format!("robot {} mode {}, clear of {} ways", mode.robot.0, mode.step, clear_of.len())
         }
         Composition::Drrt { prefix, .. } => format!("dRRT* from {}", if prefix.is_some() { "half way" } else { "0 s" }),
+        Composition::Repair { mode, robots, .. } => {
+            format!("robot {} mode {} repaired with {} others", mode.robot.0, mode.step, robots.len() - 1)
+        }
+        Composition::Passages { .. } => "passages".to_owned(),
         Composition::Assemble { .. } => "assembled".to_owned(),
         Composition::Synchronous { .. } => "scheduled in rounds".to_owned(),
     };
@@ -115,6 +119,8 @@ fn kind(job: &Job) -> &'static str {
         Request::Mode(_) => "3 mode",
         Request::Compose(compose) => match compose.composition {
             Composition::CommitMode { .. } => "4 commit",
+            Composition::Repair { .. } => "4 repair",
+            Composition::Passages { .. } => "4 passages",
             Composition::Drrt { .. } => "4 dRRT*",
             Composition::Assemble { .. } => "4 assemble",
             Composition::Synchronous { .. } => "4 rounds",

@@ -30,6 +30,7 @@ pub fn decision(problem: &Problem, decision: &Decision) -> String {
         }
         Decision::Commit(committed) => format!("motion of {}", mode(problem, *committed)),
         Decision::Order(added) => format!("ordering {}", order(problem, added)),
+        Decision::Repair(stuck) => format!("{} together with those in its way", mode(problem, *stuck)),
         Decision::Drrt => "the composite search takes over".to_owned(),
         Decision::Hop { pair, sample, .. } => format!("place {sample} for {}", problem.pair(*pair).name),
         Decision::Synchronous(_) => "rounds for all robots".to_owned(),

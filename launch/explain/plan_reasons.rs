@@ -55,9 +55,11 @@ fn given_up(problem: &Problem, ledger: &Ledger) -> Vec<String> {
             Decision::Order(order) => format!("ordering {}", words::order(problem, order)),
             Decision::Drrt => "composite search".to_owned(),
             Decision::Synchronous(_) => "synchronous schedule".to_owned(),
-            Decision::Level(_) | Decision::Commit(_) | Decision::Round(_) | Decision::More { .. } => {
-                words::decision(problem, decision)
-            }
+            Decision::Level(_)
+            | Decision::Commit(_)
+            | Decision::Repair(_)
+            | Decision::Round(_)
+            | Decision::More { .. } => words::decision(problem, decision),
         };
         let why = because.as_ref().map_or("no cause was named".to_owned(), words::cause);
         *counts.entry((what, why)).or_insert(0) += 1;

@@ -77,6 +77,11 @@ pub enum Event<'a> {
         /// Mode, such as `r1.2 transfer`.
         mode: String,
     },
+    /// A mode that cannot be committed, and the robots in its way, are planned together.
+    Repair {
+        /// Mode, such as `r1.2 transfer`.
+        mode: String,
+    },
     /// The composite search takes over.
     CompositeSearch,
     /// A synchronous schedule is asked for.
@@ -187,6 +192,7 @@ impl<'a> Event<'a> {
                 }
             }
             Decision::Commit(mode) => Self::Committed { mode: words::mode(problem, *mode) },
+            Decision::Repair(mode) => Self::Repair { mode: words::mode(problem, *mode) },
             Decision::Drrt => Self::CompositeSearch,
             Decision::Hop { pair, sample, orders } => {
                 Self::Hop { pair: &problem.pair(*pair).name, sample: *sample, orderings: orders.len() }

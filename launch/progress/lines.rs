@@ -67,6 +67,10 @@ fn subject(problem: &Problem, job: &Job) -> String {
         Request::Mode(job) => format!("roadmap of {}", words::mode(problem, job.mode)),
         Request::Compose(job) => match &job.composition {
             Composition::CommitMode { mode, .. } => format!("motion of {}", words::mode(problem, *mode)),
+            Composition::Repair { mode, .. } => {
+                format!("motion of {} and of those in its way", words::mode(problem, *mode))
+            }
+            Composition::Passages { .. } => "passages".to_owned(),
             Composition::Drrt { .. } => "composite search".to_owned(),
             Composition::Assemble { .. } => "retiming".to_owned(),
             Composition::Synchronous { .. } => "synchronous schedule".to_owned(),

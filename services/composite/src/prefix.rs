@@ -1,6 +1,8 @@
 //! Reading committed motion.
 
-use contract::{Commitment, Interrupted, JobContext, Move, Prefix, Product, ProductRef};
+use std::collections::BTreeMap;
+
+use contract::{Commitment, Interrupted, JobContext, Move, Prefix, Product, ProductRef, Tail};
 use model::{Holding, Problem, RobotId};
 
 use crate::Scene;
@@ -8,54 +10,111 @@ use crate::Scene;
 /// Longest chain of prefixes that is followed.
 const LONGEST_CHAIN: usize = 1 << 16;
 
-/// All commitments of a prefix and its parents, in the order in which they were made.
+/// Committed motion of all robots.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CommittedMotion {
+    /// In the order in which they were made.
+    pub commitments: Vec<Commitment>,
+    /// What robots do that have no commitment yet, from 0 s on.
+    pub first_tails: BTreeMap<RobotId, Vec<Move>>,
+}
+
+impl From<Vec<Commitment>> for CommittedMotion {
+    fn from(commitments: Vec<Commitment>) -> Self {
+        Self { commitments, first_tails: BTreeMap::new() }
+    }
+}
+
+impl CommittedMotion {
+    /// What a robot does after its last commitment, or instead of standing where it starts.
+    #[must_use]
+    pub fn tail(&self, robot: RobotId) -> &[Move] {
+        match self.last(robot) {
+            Some(last) => &last.tail,
+            None => self.first_tails.get(&robot).map_or(&[], Vec::as_slice),
+        }
+    }
+
+    /// A robot's last commitment.
+    #[must_use]
+    pub fn last(&self, robot: RobotId) -> Option<&Commitment> {
+        self.commitments.iter().rev().find(|commitment| commitment.mode.robot == robot)
+    }
+
+    /// Appends what a prefix adds.
+    pub(crate) fn extend(&mut self, commitments: Vec<Commitment>, tails: Vec<Tail>) {
+        for commitment in commitments {
+            self.first_tails.remove(&commitment.mode.robot);
+            self.commitments.push(commitment);
+        }
+        for Tail { robot, moves } in tails {
+            match self.commitments.iter_mut().rev().find(|commitment| commitment.mode.robot == robot) {
+                Some(last) => last.tail = moves,
+                None => drop(self.first_tails.insert(robot, moves)),
+            }
+        }
+    }
+
+    /// Whether this can be of a problem: each robot's modes in order, configurations of the right length, moves without gaps
+    /// in time or place.
+    pub(crate) fn check(&self, scene: &Scene) -> Result<(), Interrupted> {
+        let problem = scene.problem();
+        let mut next: Vec<(usize, f64, Vec<f64>)> = problem.robots.iter().map(|r| (0, 0.0, r.start.clone())).collect();
+        for (robot, tail) in &self.first_tails {
+            let Some(robot) = problem.robots.get(robot.index()) else {
+                return Err(Interrupted::Unfit("a tail of a robot that is none".into()));
+            };
+            check_moves(tail, 0.0, &robot.start, robot.coordinates.len())?;
+        }
+        for commitment in &self.commitments {
+            let robot = commitment.mode.robot.index();
+            let fits = |holding| is_holding_of(problem, commitment.mode.robot, holding);
+            let Some((step, ends_s, at)) = next.get_mut(robot) else {
+                return Err(Interrupted::Unfit("a commitment of a robot that is none".into()));
+            };
+            let is_next = commitment.mode.step as usize == *step && *step < scene.skeleton.modes[robot].len();
+            let mode = scene.skeleton.modes[robot].get(*step);
+            let held = mode.filter(|mode| mode.is_holding()).and_then(|mode| mode.pair);
+            let holds = held.map(|pair| problem.pair(pair).object) == commitment.holding.map(|holding| holding.object);
+            if !is_next || !holds || !fits(commitment.holding) || !fits(commitment.tail_holding) {
+                return Err(Interrupted::Unfit(format!(
+                    "commitment {:?} is not its robot's next mode",
+                    commitment.mode
+                )));
+            }
+            let dof = problem.robots[robot].coordinates.len();
+            let (event_s, event_at) = check_moves(&commitment.moves, *ends_s, at, dof)?;
+            if event_s != commitment.event_s {
+                return Err(Interrupted::Unfit("a commitment whose event is not at the end of its moves".into()));
+            }
+            check_moves(&commitment.tail, event_s, &event_at, dof)?;
+            (*step, *ends_s, *at) = (*step + 1, event_s, event_at);
+        }
+        Ok(())
+    }
+}
+
+/// All motion of a prefix and its parents.
 ///
 /// # Errors
 /// [`Interrupted::Lacking`]; [`Interrupted::Unfit`] if a product is no prefix.
-pub fn load_prefix(context: &mut JobContext<'_>, prefix: Option<ProductRef>) -> Result<Vec<Commitment>, Interrupted> {
+pub fn load_prefix(context: &mut JobContext<'_>, prefix: Option<ProductRef>) -> Result<CommittedMotion, Interrupted> {
     let mut parts = Vec::new();
     let mut next = prefix;
     while let Some(wanted) = next {
         context.spend(0)?;
-        let Product::Prefix(Prefix { parent, commitments }) = context.product(&wanted)? else {
+        let Product::Prefix(Prefix { parent, commitments, tails }) = context.product(&wanted)? else {
             return Err(Interrupted::Unfit("a product that should be a prefix is none".into()));
         };
-        parts.push(commitments);
+        parts.push((commitments, tails));
         next = parent;
         if parts.len() > LONGEST_CHAIN {
             return Err(Interrupted::Unfit("a prefix with too many parents".into()));
         }
     }
-    Ok(parts.into_iter().rev().flatten().collect())
-}
-
-/// Whether commitments can be of this problem: each robot's modes in order, configurations of the right length, moves
-/// without gaps in time or place.
-pub(crate) fn check_commitments(scene: &Scene, commitments: &[Commitment]) -> Result<(), Interrupted> {
-    let problem = scene.problem();
-    let mut next: Vec<(usize, f64, Vec<f64>)> = problem.robots.iter().map(|r| (0, 0.0, r.start.clone())).collect();
-    for commitment in commitments {
-        let robot = commitment.mode.robot.index();
-        let fits = |holding| is_holding_of(problem, commitment.mode.robot, holding);
-        let Some((step, ends_s, at)) = next.get_mut(robot) else {
-            return Err(Interrupted::Unfit("a commitment of a robot that is none".into()));
-        };
-        let is_next = commitment.mode.step as usize == *step && *step < scene.skeleton.modes[robot].len();
-        let mode = scene.skeleton.modes[robot].get(*step);
-        let held = mode.filter(|mode| mode.is_holding()).and_then(|mode| mode.pair);
-        let holds = held.map(|pair| problem.pair(pair).object) == commitment.holding.map(|holding| holding.object);
-        if !is_next || !holds || !fits(commitment.holding) || !fits(commitment.tail_holding) {
-            return Err(Interrupted::Unfit(format!("commitment {:?} is not its robot's next mode", commitment.mode)));
-        }
-        let dof = problem.robots[robot].coordinates.len();
-        let (event_s, event_at) = check_moves(&commitment.moves, *ends_s, at, dof)?;
-        if event_s != commitment.event_s {
-            return Err(Interrupted::Unfit("a commitment whose event is not at the end of its moves".into()));
-        }
-        check_moves(&commitment.tail, event_s, &event_at, dof)?;
-        (*step, *ends_s, *at) = (*step + 1, event_s, event_at);
-    }
-    Ok(())
+    let mut motion = CommittedMotion::default();
+    parts.into_iter().rev().for_each(|(commitments, tails)| motion.extend(commitments, tails));
+    Ok(motion)
 }
 
 /// Time and configuration at the end of moves that begin at `begins_s` and `at`.

@@ -4,6 +4,8 @@ use contract::{Composition, Interrupted, Job, JobContext, Outcome, ProblemStatem
 
 use crate::assemble::AssembleJob;
 use crate::commit::CommitJob;
+use crate::passages::PassagesJob;
+use crate::repair::RepairJob;
 use crate::synchronous::SynchronousJob;
 use crate::{CompositeError, Scene, drrt};
 
@@ -34,6 +36,10 @@ impl Stage for CompositeStage {
                 let (prefix, mode, roadmap, next_roadmap) = (*prefix, *mode, *roadmap, *next_roadmap);
                 CommitJob { scene, assignment, prefix, mode, roadmap, next_roadmap, clear_of }.answer(context)
             }
+            Composition::Repair { prefix, mode, robots, roadmaps } => {
+                RepairJob { scene, assignment, prefix: *prefix, mode: *mode, robots, roadmaps }.answer(context)
+            }
+            Composition::Passages { roadmaps } => PassagesJob { scene, assignment, roadmaps }.answer(context),
             Composition::Drrt { prefix, roadmaps } => drrt::refine(scene, assignment, *prefix, roadmaps, context),
             Composition::Assemble { prefix, shortest_s, rounds } => {
                 AssembleJob { scene, assignment, prefix: *prefix, shortest_s, rounds }.answer(context)

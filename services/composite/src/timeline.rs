@@ -6,8 +6,7 @@ use model::{AllowedContacts, Holding, Problem, RobotId};
 use skeleton::{Event, Occupancy};
 
 use crate::conflict::cell_times;
-use crate::prefix::check_commitments;
-use crate::{Scene, TimedStanding, Travel};
+use crate::{CommittedMotion, Scene, TimedStanding, Travel};
 
 /// A committed move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +65,7 @@ pub struct RobotTimeline {
 }
 
 impl RobotTimeline {
-    fn new(scene: &Scene, robot: RobotId, commitments: Vec<Commitment>) -> Self {
+    fn new(scene: &Scene, robot: RobotId, commitments: Vec<Commitment>, first_tail: &[Move]) -> Self {
         let mut moves = Vec::new();
         let mut rests_at = scene.problem().robot(robot).start.clone();
         let (mut ends_s, mut holding, mut allowed) = (0.0, None, AllowedContacts::default());
@@ -80,6 +79,9 @@ impl RobotTimeline {
         };
         for commitment in &commitments {
             commitment.moves.iter().for_each(|step| push(step, commitment.holding));
+        }
+        if commitments.is_empty() {
+            first_tail.iter().for_each(|step| push(step, None));
         }
         if let Some(last) = commitments.last() {
             last.tail.iter().for_each(|step| push(step, last.tail_holding));
@@ -123,18 +125,20 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// The timeline of committed modes.
+    /// The timeline of committed motion.
     ///
     /// # Errors
     /// [`Interrupted::Unfit`] if the commitments cannot be of this problem or the assignment lacks a pose.
-    pub fn new(scene: &Scene, assignment: &Assignment, commitments: Vec<Commitment>) -> Result<Self, Interrupted> {
-        check_commitments(scene, &commitments)?;
+    pub fn new(scene: &Scene, assignment: &Assignment, motion: CommittedMotion) -> Result<Self, Interrupted> {
+        motion.check(scene)?;
+        let CommittedMotion { commitments, first_tails } = motion;
         let mut of_robots: Vec<Vec<Commitment>> = vec![Vec::new(); scene.problem().robots.len()];
         for commitment in commitments {
             of_robots[commitment.mode.robot.index()].push(commitment);
         }
-        let robots =
-            (0..).map(RobotId::at).zip(of_robots).map(|(id, own)| RobotTimeline::new(scene, id, own)).collect();
+        let first_tail = |robot: &RobotId| first_tails.get(robot).map_or(&[][..], Vec::as_slice);
+        let robots = (0..).map(RobotId::at).zip(of_robots);
+        let robots = robots.map(|(id, own)| RobotTimeline::new(scene, id, own, first_tail(&id))).collect();
         let mut timeline = Self { robots, standings: Vec::new() };
         for (object, hops) in scene.skeleton.hops.iter().enumerate() {
             for hop in 0..=hops.len() {

@@ -160,12 +160,12 @@ impl Search<'_> {
     }
 }
 
-/// Whether a failure of the job is one of its stage. A single mode that cannot be committed, and a composite search from
-/// half way, are steps on the way.
+/// Whether a failure of the job is one of its stage. A single mode that cannot be committed, a repair, and a composite search
+/// after a prefix are steps on the way.
 fn is_whole_question(job: &Job) -> bool {
     match &job.request {
         Request::Compose(compose) => match compose.composition {
-            Composition::CommitMode { .. } => false,
+            Composition::CommitMode { .. } | Composition::Repair { .. } | Composition::Passages { .. } => false,
             Composition::Drrt { prefix, .. } => prefix.is_none(),
             Composition::Assemble { .. } | Composition::Synchronous { .. } => true,
         },

@@ -25,9 +25,12 @@ impl<'a> Budgets<'a> {
             Request::Piece(_) | Request::Mode(_) => 50_000,
             Request::Compose(job) => match job.composition {
                 Composition::Drrt { .. } => self.expansions,
-                Composition::CommitMode { .. } | Composition::Assemble { .. } | Composition::Synchronous { .. } => {
-                    4_000_000
-                }
+                // A repair is a small part of the whole: it should not cost what the whole may.
+                Composition::Repair { .. } => self.expansions.div_ceil(8),
+                Composition::CommitMode { .. }
+                | Composition::Assemble { .. }
+                | Composition::Synchronous { .. }
+                | Composition::Passages { .. } => 4_000_000,
             },
         };
         let budget = capped(self.options, &request, units << self.level.min(16));

@@ -1,6 +1,6 @@
 //! Mode by mode commitment. Where it comes to a dead end, those who are in the way of a stuck mode learn to give way to
-//! it, what they have done since is ripped up, and the modes are committed anew. A complete round may be followed by others
-//! (`urgency`).
+//! it, what they have done since is ripped up, and the modes are committed anew. Where nobody learns anything new, a dead end
+//! is repaired (`repair`), and commitment goes on from there. A complete round may be followed by others (`urgency`).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -49,25 +49,42 @@ fn is_for_ever(causes: &[(Cause, u64)]) -> bool {
 }
 
 /// A mode that was ready and could not be committed.
-struct Stranded {
-    mode: ModeId,
+#[derive(Clone)]
+pub(crate) struct Stranded {
+    pub(crate) mode: ModeId,
     /// Robots in its way.
-    by: Vec<RobotId>,
+    pub(crate) by: Vec<RobotId>,
     conflict: Conflict,
     /// Whether nobody in its way will ever move.
     for_ever: bool,
 }
 
+/// How rounds ended.
+enum Rounds {
+    /// With all modes.
+    Complete(Round),
+    /// Robots that never move leave no way to one mode.
+    Never(Conflict),
+    /// The round that came furthest, and the last one.
+    DeadEnd(Vec<Round>),
+}
+
 /// One round of commitments.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Round {
     /// Each robot's next mode.
     pub(crate) next: Vec<usize>,
     pub(crate) prefixes: Vec<ProductRef>,
     /// Events of each robot's modes (s).
     events_s: Vec<Vec<f64>>,
+    /// Each robot's next mode before each of the prefixes.
+    pub(crate) before: Vec<Vec<usize>>,
+    /// For modes that cannot be committed, how many prefixes there were when that began.
+    pub(crate) stuck_since: BTreeMap<ModeId, usize>,
     /// At its dead end; empty if there is none.
-    stranded: Vec<Stranded>,
+    pub(crate) stranded: Vec<Stranded>,
+    /// At a dead end where all that could be committed is held back: these modes, each for a robot.
+    pub(crate) held_back: Vec<(ModeId, RobotId)>,
 }
 
 impl Round {
@@ -76,9 +93,30 @@ impl Round {
     }
 
     pub(crate) fn push(&mut self, mode: ModeId, prefix: ProductRef, event_s: f64) {
-        self.next[mode.robot.index()] += 1;
-        self.events_s[mode.robot.index()].push(event_s);
+        self.push_all(&[(mode, event_s)], prefix);
+    }
+
+    /// Several modes with their events, in one prefix.
+    pub(crate) fn push_all(&mut self, modes: &[(ModeId, f64)], prefix: ProductRef) {
+        self.before.push(self.next.clone());
+        for (mode, event_s) in modes {
+            self.next[mode.robot.index()] += 1;
+            self.events_s[mode.robot.index()].push(*event_s);
+        }
         self.prefixes.push(prefix);
+    }
+
+    /// The round as it was when there were so many prefixes.
+    pub(crate) fn cut(&self, prefixes: usize) -> Self {
+        let mut cut =
+            Self { stranded: Vec::new(), held_back: Vec::new(), stuck_since: BTreeMap::new(), ..self.clone() };
+        if let Some(next) = self.before.get(prefixes) {
+            cut.next.clone_from(next);
+            cut.events_s.iter_mut().zip(next).for_each(|(events_s, next)| events_s.truncate(*next));
+            cut.prefixes.truncate(prefixes);
+            cut.before.truncate(prefixes);
+        }
+        cut
     }
 
     /// When a committed mode's event is (s).
@@ -93,45 +131,88 @@ impl Round {
 }
 
 impl Candidate<'_> {
-    /// Commits modes, in rounds: at a dead end there is another, if somebody can give way who has not.
+    /// Commits modes, in rounds: at a dead end there is another, if somebody can give way who has not. Else the dead end of
+    /// the round that came furthest is repaired, and rounds begin behind that.
     pub(crate) fn commit_modes(&self, search: &mut Search<'_>, modes: &Modes) -> Result<Committed, Halt> {
+        let mut base = Round::new(modes);
         let mut give_way = GiveWay::default();
-        let mut furthest: Vec<ProductRef> = Vec::new();
         let mut conflict = Conflict::default();
-        for _ in 0..ROUNDS {
-            let round = self.round(search, modes, &give_way)?;
-            if self.is_complete(&round) {
-                return Ok(Committed::All(self.in_other_orders(search, modes, &give_way, round)?));
+        loop {
+            let dead_ends = match self.give_way_behind(search, modes, &base, &mut give_way, &mut conflict)? {
+                Rounds::Complete(round) => {
+                    return Ok(Committed::All(self.in_other_orders(search, modes, &give_way, round)?));
+                }
+                Rounds::Never(conflict) => return Ok(Committed::Never(conflict)),
+                Rounds::DeadEnd(rounds) => rounds,
+            };
+            // Who has to stop at a failure hears it from the composite search.
+            if base.prefixes.is_empty()
+                && search.policy(StageKind::Composite) != FailurePolicy::Stop
+                && let Some(conflict) = self.no_passage(search, modes)?
+            {
+                return Ok(Committed::Never(conflict));
             }
-            if round.prefixes.len() > furthest.len() {
-                furthest = round.prefixes;
+            let Some(repaired) = self.repair_one(search, modes, &base, &dead_ends)? else {
+                let furthest = dead_ends.into_iter().map(|round| round.prefixes).next();
+                return Ok(Committed::Part(furthest.unwrap_or_default(), conflict.choices));
+            };
+            base = repaired;
+        }
+    }
+
+    /// Rounds from a base on, until nobody learns anything new.
+    fn give_way_behind(
+        &self,
+        search: &mut Search<'_>,
+        modes: &Modes,
+        base: &Round,
+        give_way: &mut GiveWay,
+        conflict: &mut Conflict,
+    ) -> Result<Rounds, Halt> {
+        let mut furthest: Option<Round> = None;
+        let mut last: Option<Round> = None;
+        for _ in 0..ROUNDS {
+            let round = self.round(search, modes, give_way, base.clone())?;
+            if self.is_complete(&round) {
+                return Ok(Rounds::Complete(round));
             }
             let mut learnt = false;
-            for Stranded { mode, by, conflict: because, for_ever } in round.stranded {
+            for Stranded { mode, by, conflict: because, for_ever } in &round.stranded {
                 // Who has to stop at a failure hears it from the composite search.
-                if for_ever && search.policy(StageKind::Composite) != FailurePolicy::Stop {
-                    return Ok(Committed::Never(self.alone(mode, because)));
+                if *for_ever && search.policy(StageKind::Composite) != FailurePolicy::Stop {
+                    return Ok(Rounds::Never(self.alone(*mode, because.clone())));
                 }
-                learnt |= give_way.learn(mode, &by);
-                let first = because.first_cause();
-                search.backtrack(StageKind::Composite, Decision::Commit(mode), first);
-                conflict.merge(because);
+                learnt |= give_way.learn(*mode, by);
+                search.backtrack(StageKind::Composite, Decision::Commit(*mode), because.first_cause());
+                conflict.merge(because.clone());
             }
+            if furthest.as_ref().is_none_or(|known| round.prefixes.len() > known.prefixes.len()) {
+                furthest = Some(round.clone());
+            }
+            last = Some(round);
             if !learnt {
                 break;
             }
         }
-        Ok(Committed::Part(furthest, conflict.choices))
+        // In the last round everybody knows whom to give way to, which may keep it from coming far.
+        let mut dead_ends: Vec<Round> = furthest.into_iter().chain(last).collect();
+        dead_ends.dedup_by(|a, b| a.prefixes == b.prefixes);
+        Ok(Rounds::DeadEnd(dead_ends))
     }
 
     pub(crate) fn is_complete(&self, round: &Round) -> bool {
         self.skeleton.modes.iter().zip(&round.next).all(|(modes, next)| *next == modes.len())
     }
 
-    /// Commits the mode whose event comes earliest, again and again, until all are committed or none can be. A mode that
-    /// others give way to comes first.
-    fn round(&self, search: &mut Search<'_>, modes: &Modes, give_way: &GiveWay) -> Result<Round, Halt> {
-        let mut round = Round::new(modes);
+    /// Goes on with a round: commits the mode whose event comes earliest, again and again, until all are committed or none
+    /// can be. A mode that others give way to comes first.
+    fn round(
+        &self,
+        search: &mut Search<'_>,
+        modes: &Modes,
+        give_way: &GiveWay,
+        mut round: Round,
+    ) -> Result<Round, Halt> {
         while !self.is_complete(&round) {
             let ready = self.ready_modes(&round.next, give_way);
             let job = |mode: &Mode| self.commit_job(modes, &round, give_way, mode.id);
@@ -140,6 +221,7 @@ impl Candidate<'_> {
             for ((mode, job), outcome) in ready.iter().zip(&jobs).zip(search.ask(&jobs)?) {
                 match outcome.result {
                     Ok(Answer::Committed { prefix, event_s, .. }) => {
+                        round.stuck_since.remove(&mode.id);
                         let rank = (!give_way.is_given(mode.id), event_s);
                         if best.is_none_or(|(least, ..)| rank < least) {
                             best = Some((rank, mode.id, prefix));
@@ -152,12 +234,16 @@ impl Candidate<'_> {
                         let pairs = pairs.chain(self.pair_at(mode.id.robot, &round.next)).map(Choice::Alternative);
                         let conflict = Conflict::of(pairs, &report.causes, Some(search.id(job)));
                         let for_ever = is_for_ever(&report.causes);
+                        round.stuck_since.entry(mode.id).or_insert(round.prefixes.len());
                         round.stranded.push(Stranded { mode: mode.id, by, conflict, for_ever });
                     }
                 }
             }
             let Some(((_, event_s), mode, prefix)) = best.filter(|_| !round.stranded.iter().any(|one| one.for_ever))
             else {
+                if ready.is_empty() {
+                    round.held_back = self.held_back(&round.next, give_way);
+                }
                 return Ok(round);
             };
             search.commit(LedgerEntry::Decided(Decision::Commit(mode)));
@@ -176,7 +262,7 @@ impl Candidate<'_> {
     }
 
     /// Robots but `own` that the causes name and that have something to do.
-    fn robots_at_fault(&self, causes: &[(Cause, u64)], own: RobotId) -> Vec<RobotId> {
+    pub(crate) fn robots_at_fault(&self, causes: &[(Cause, u64)], own: RobotId) -> Vec<RobotId> {
         let named = |robot: &RobotId| {
             let name = &self.problem.robot(*robot).name;
             causes.iter().any(|(cause, _)| matches!(cause, Cause::Deadlock { robots } if robots.contains(name)))
@@ -211,6 +297,16 @@ impl Candidate<'_> {
             .filter(|mode| is_ready(mode) && !give_way.holds_back(mode, next))
             .copied()
             .collect()
+    }
+
+    /// Modes that would be ready but for somebody whom they give way to.
+    fn held_back(&self, next: &[usize], give_way: &GiveWay) -> Vec<(ModeId, RobotId)> {
+        let ready = self.ready_modes(next, &GiveWay::default());
+        let for_another = |mode: &Mode| {
+            let before = give_way.ways_before(mode.id.robot, next).next()?;
+            Some((mode.id, before.robot))
+        };
+        ready.iter().filter_map(for_another).collect()
     }
 
     pub(crate) fn commit_job(&self, modes: &Modes, round: &Round, give_way: &GiveWay, mode: ModeId) -> Job {

@@ -68,7 +68,7 @@ impl Candidate<'_> {
         (0..self.problem.pairs.len()).map(|pair| Choice::Alternative(PairId::at(pair))).collect()
     }
 
-    /// The composite search where commitment came to a dead end: from half way, then from the beginning.
+    /// The composite search where commitment came to a dead end: from there, from half way, then from the beginning.
     fn drrt_from(
         &self,
         search: &mut Search<'_>,
@@ -79,8 +79,11 @@ impl Candidate<'_> {
         if between.is_empty() {
             between = self.all_pairs();
         }
-        if let Some(half_way) = prefixes.get(prefixes.len() / 2) {
-            match self.drrt(search, modes, Some(*half_way), between.clone()) {
+        let mut begins: Vec<ProductRef> =
+            prefixes.last().into_iter().chain(prefixes.get(prefixes.len() / 2)).copied().collect();
+        begins.dedup();
+        for prefix in begins {
+            match self.drrt(search, modes, Some(prefix), between.clone()) {
                 Err(Stuck::Failed(_)) => {}
                 ended => return ended,
             }

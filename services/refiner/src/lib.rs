@@ -14,6 +14,8 @@ mod conflict;
 mod merged;
 mod more;
 mod orders;
+mod passages;
+mod repair;
 mod roadmaps;
 mod search;
 mod synchronous;

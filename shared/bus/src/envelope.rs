@@ -6,7 +6,7 @@ use crate::member::first_u64;
 use crate::{MemberId, RunKey};
 
 /// Version of messages, encoding and meaning. Members of another version are refused.
-pub const CONTRACT_VERSION: u32 = 1;
+pub const CONTRACT_VERSION: u32 = 2;
 
 /// Header of one part of a message: fixed layout, little-endian, no padding.
 #[repr(C)]

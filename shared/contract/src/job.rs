@@ -196,6 +196,18 @@ pub enum Composition {
         /// Roadmaps of other robots' modes on whose way the robot should not park: they have been stuck because of it.
         clear_of: Vec<ProductRef>,
     },
+    /// Motion of some robots together until the event of a mode that could not be committed has happened, or its closing
+    /// return is over. It begins when everybody rests after `prefix`; the other robots stay there.
+    Repair {
+        /// What is committed so far.
+        prefix: Option<ProductRef>,
+        /// The next mode of one of the robots.
+        mode: ModeId,
+        /// Who may move, in ascending order.
+        robots: Vec<RobotId>,
+        /// Roadmap of every mode of every robot.
+        roadmaps: Vec<Vec<ProductRef>>,
+    },
     /// The paper's multi-modal dRRT* for everything after `prefix`.
     Drrt {
         /// What is committed so far.
@@ -217,6 +229,11 @@ pub enum Composition {
     Synchronous {
         /// How rounds are chosen.
         choice: RoundChoice,
+        /// Roadmap of every mode of every robot.
+        roadmaps: Vec<Vec<ProductRef>>,
+    },
+    /// Modes that cannot be done, whatever one other robot does meanwhile: the others are looked at two by two.
+    Passages {
         /// Roadmap of every mode of every robot.
         roadmaps: Vec<Vec<ProductRef>>,
     },
@@ -278,11 +295,13 @@ impl Job {
                     let own = [*prefix, Some(*roadmap), *next_roadmap].into_iter().flatten();
                     own.chain(clear_of.iter().copied()).collect()
                 }
-                Composition::Drrt { prefix, roadmaps } => {
+                Composition::Drrt { prefix, roadmaps } | Composition::Repair { prefix, roadmaps, .. } => {
                     prefix.iter().chain(roadmaps.iter().flatten()).copied().collect()
                 }
                 Composition::Assemble { prefix, .. } => vec![*prefix],
-                Composition::Synchronous { roadmaps, .. } => roadmaps.iter().flatten().copied().collect(),
+                Composition::Synchronous { roadmaps, .. } | Composition::Passages { roadmaps } => {
+                    roadmaps.iter().flatten().copied().collect()
+                }
             },
             Request::Placement(_)
             | Request::Hop(_)

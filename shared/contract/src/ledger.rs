@@ -47,6 +47,8 @@ pub enum Decision {
     Synchronous(RoundChoice),
     /// Modes of the next round of a synchronous schedule.
     Round(Vec<ModeId>),
+    /// A mode that cannot be committed, and the robots in its way, are planned together.
+    Repair(ModeId),
 }
 
 /// One line of the committed log.

@@ -34,7 +34,7 @@ pub use outcome::{Answer, CauseTally, FailureReport, Literal, Nogood, Outcome, S
 pub use product::{Digest, MemoryProducts, Product, ProductRef, Products};
 pub use random::{RandomStream, SampleValues, halton};
 pub use roadmap::{Edge, EdgeKind, ModeRoadmap, RoadmapPiece, VertexId};
-pub use schedule::{Commitment, Move, Prefix};
+pub use schedule::{Commitment, Move, Prefix, Tail};
 pub use serve::{JobPort, Offer, Refusal, ServeFault, serve};
 pub use stage::{Interrupted, JobContext, Stage, StageKind};
 pub use statement::{CompositeMethod, Merge, ProblemStatement, SearchOptions, WorkKind};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use model::PairId;
+use model::{PairId, RobotId};
 use plan::{Cause, Certificate};
 use serde::{Deserialize, Serialize};
 use skeleton::{Event, ModeId, Occupancy};
@@ -73,6 +73,16 @@ pub enum Answer {
         /// When the last round is over (s).
         ends_s: f64,
     },
+    /// To `Repair`.
+    Repaired {
+        /// The longer prefix.
+        prefix: ProductRef,
+        /// The modes that it adds, in order of their events, and when those happen (s).
+        modes: Vec<(ModeId, f64)>,
+    },
+    /// To `Passages`: modes without a passage, each with the robot that is in the way wherever it is; at most one for each
+    /// mode.
+    NoPassage(Vec<(ModeId, RobotId)>),
 }
 
 /// Why a job failed.

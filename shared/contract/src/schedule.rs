@@ -1,6 +1,6 @@
 //! Committed motion of the composite stage.
 
-use model::{AllowedContacts, Configuration, Holding};
+use model::{AllowedContacts, Configuration, Holding, RobotId};
 use serde::{Deserialize, Serialize};
 use skeleton::ModeId;
 
@@ -47,4 +47,15 @@ pub struct Prefix {
     pub parent: Option<ProductRef>,
     /// What it adds.
     pub commitments: Vec<Commitment>,
+    /// Tails that replace those of robots' last commitments, or of robots without any their standing at the start.
+    pub tails: Vec<Tail>,
+}
+
+/// Motion of a robot's next mode, to a place where it may stand for ever; replaced by its next commitment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tail {
+    /// Robot.
+    pub robot: RobotId,
+    /// From the event of the robot's last commitment (or 0 s) on, without gaps.
+    pub moves: Vec<Move>,
 }

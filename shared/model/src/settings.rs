@@ -81,7 +81,7 @@ pub struct Levels {
     pub stands: u32,
     /// Vertices of a roadmap piece.
     pub vertices: u32,
-    /// Expansions of the composite search.
+    /// Expansions of the composite search; planning a stuck mode together with those in its way may take an eighth as many.
     pub expansions: u32,
     /// Highest level tried before `SamplesExhausted`.
     pub highest: u32,

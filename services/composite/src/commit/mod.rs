@@ -7,7 +7,7 @@ mod tail;
 mod way;
 
 use contract::{
-    Answer, Assignment, CauseTally, Commitment, EdgeKind, Interrupted, JobContext, Outcome, Prefix, Product,
+    Answer, Assignment, CauseTally, Commitment, EdgeKind, Interrupted, JobContext, Move, Outcome, Prefix, Product,
     ProductRef, VertexId,
 };
 use plan::Cause;
@@ -68,7 +68,7 @@ impl CommitJob<'_> {
             Ok(commitment) => {
                 let event_s = commitment.event_s;
                 let tail_s = commitment.tail.last().map_or(event_s, |last| last.ends_s);
-                let prefix = Prefix { parent: self.prefix, commitments: vec![commitment] };
+                let prefix = Prefix { parent: self.prefix, commitments: vec![commitment], tails: Vec::new() };
                 let prefix = context.publish(&Product::Prefix(prefix))?;
                 Ok(Outcome::answer(Answer::Committed { prefix, event_s, tail_s }, context.spent()))
             }
@@ -241,6 +241,28 @@ impl CommitJob<'_> {
             traffic.put(placed, event_s);
         }
         Ok(traffic)
+    }
+
+    /// A tail behind the mode's event, which is its robot's last in a timeline; `None` if there is none, or no work left.
+    pub fn safe_tail(
+        &self,
+        timeline: &Timeline,
+        context: &mut JobContext<'_>,
+    ) -> Result<Option<Vec<Move>>, Interrupted> {
+        let modes = &self.scene.skeleton.modes[self.mode.robot.index()];
+        let (mode, next) = (modes.get(self.mode.step as usize), modes.get(self.mode.step as usize + 1));
+        let last = timeline.robot(self.mode.robot).commitments.last().filter(|last| last.mode == self.mode);
+        let (Some(mode), Some(next), Some(roadmap), Some(last)) = (mode, next, self.next_roadmap, last) else {
+            return Ok(None);
+        };
+        let graph = self.scene.mode_graph(self.assignment, next, &roadmap, context)?;
+        let traffic = self.traffic_after(mode, timeline, last.event_s)?;
+        let Some(at) = last.moves.last().map(|step| &step.to) else { return Ok(None) };
+        match self.tail(&graph, &traffic, &[], at, last.event_s, context) {
+            Ok(tail) => Ok(tail),
+            Err(Unreached::Because(_)) => Ok(None),
+            Err(Unreached::Interrupted(interrupted)) => Err(interrupted),
+        }
     }
 
     fn spend(&self, context: &mut JobContext<'_>) -> Result<(), Unreached> {

@@ -45,12 +45,14 @@ pub(super) struct Stay {
 }
 
 /// All that stays the same during a search.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct CompositeRoadmap<'a> {
     pub problem: &'a Problem,
     pub robots: Vec<RobotRoadmap<'a>>,
     /// Poses of objects, sorted by occupancy.
     pub stays: Vec<Stay>,
+    /// The point at which the search ends; else when all robots have come to the ends of their last phases.
+    pub aim: Option<Passed>,
 }
 
 /// One motion of one robot: travelling arc `arc` of vertex `from`, or standing there.
@@ -94,7 +96,7 @@ impl<'a> CompositeRoadmap<'a> {
             }
             robots.push(glued);
         }
-        let mut composite = Self { problem, robots, stays: Vec::new() };
+        let mut composite = Self { problem, robots, stays: Vec::new(), aim: None };
         composite.stays = occupancies.iter().map(|occupancy| composite.stay(skeleton, *occupancy)).collect();
         composite.order_phases(skeleton);
         composite.measure_what_remains();
@@ -201,20 +203,50 @@ impl<'a> CompositeRoadmap<'a> {
         }
     }
 
-    /// Takes all freedom from a robot that has ended its last phase for good.
-    pub fn pin(&mut self, robot: usize) {
-        if let Some(last) = self.robots[robot].phases.last_mut() {
-            let goal = last.goal.index();
-            last.usable.iter_mut().enumerate().for_each(|(v, usable)| *usable = v == goal);
-        }
+    /// Robot `robot`, in a phase, stays at a vertex for good.
+    pub fn pin(&mut self, robot: usize, phase: u32, vertex: VertexId) {
+        self.keep_in(robot, phase, vertex);
+        let pinned = &mut self.robots[robot].phases[phase as usize];
+        pinned.usable.iter_mut().enumerate().for_each(|(v, usable)| *usable = v == vertex.index());
     }
 
-    /// Upper bound on the number of composite vertices of all modes.
-    pub fn size(&self) -> f64 {
-        let vertices = |robot: &RobotRoadmap<'_>| {
-            robot.phases.iter().map(|phase| phase.usable.iter().filter(|usable| **usable).count() as f64).sum::<f64>()
+    /// Robot `robot` stays in a phase for good. It may make room for others; where it would rather be is at a vertex.
+    pub fn keep_in(&mut self, robot: usize, phase: u32, vertex: VertexId) {
+        let RobotRoadmap { modes, phases } = &mut self.robots[robot];
+        phases.truncate(phase as usize + 1);
+        let kept = &mut phases[phase as usize];
+        // Nothing tells whether it might enter where its event would happen.
+        kept.usable[kept.goal.index()] = kept.goal == vertex;
+        (kept.goal, kept.enters) = (vertex, vertex);
+        kept.events.clear();
+        kept.needs.iter_mut().for_each(|needed| *needed = 0);
+        kept.cost_to_go_s = modes[kept.mode].times_to(vertex, &kept.usable, |arc| arc.duration_s);
+        kept.remaining_s = 0.0;
+    }
+
+    /// Makes the end of a robot's phase all that matters.
+    pub fn aim_at(&mut self, robot: usize, phase: u32) {
+        self.robots.iter_mut().flat_map(|robot| &mut robot.phases).for_each(|phase| phase.remaining_s = 0.0);
+        let phases = &mut self.robots[robot].phases;
+        for before in (0..phase as usize).rev() {
+            let next = &phases[before + 1];
+            let remaining_s =
+                phases[before].rest_s + next.cost_to_go_s[phases[before].enters.index()] + next.remaining_s;
+            phases[before].remaining_s = remaining_s;
+        }
+        self.aim = Some(Passed { robot, phase });
+    }
+
+    /// Upper bound on the number of composite vertices of these and all later phases, up to the aim.
+    pub fn size(&self, from: impl Iterator<Item = u32>) -> f64 {
+        let vertices = |(robot, from): (usize, u32)| {
+            let is_aim = |aim: &Passed| aim.robot == robot;
+            let phases = &self.robots[robot].phases;
+            let until = self.aim.filter(is_aim).map_or(phases.len(), |aim| aim.phase as usize + 1);
+            let usable = |phase: &Phase| phase.usable.iter().filter(|usable| **usable).count();
+            phases[..until].iter().skip(from as usize).map(usable).sum::<usize>() as f64
         };
-        self.robots.iter().map(vertices).product()
+        from.enumerate().map(vertices).product()
     }
 }
 

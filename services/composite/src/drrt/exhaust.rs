@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BinaryHeap};
 
-use contract::{Interrupted, JobContext};
+use contract::Interrupted;
 
+use super::meter::Meter;
 use super::queue;
 use super::rules::{Act, Rules, State};
 use super::validity::CompositeValidity;
@@ -32,7 +33,7 @@ struct Reached {
 pub(super) fn exhaust<V: CompositeValidity>(
     rules: &mut Rules<'_, V>,
     root: &State,
-    context: &mut JobContext<'_>,
+    meter: &mut Meter<'_, '_>,
 ) -> Result<Exhausted, Interrupted> {
     let mut all = vec![Reached { state: root.clone(), cost_s: 0.0, entered: None, is_closed: false }];
     let mut known: BTreeMap<State, usize> = BTreeMap::from([(root.clone(), 0)]);
@@ -47,7 +48,7 @@ pub(super) fn exhaust<V: CompositeValidity>(
             return Ok(Exhausted::Found(retrace(&all, from)));
         }
         let edges = rules.edges_from(&state);
-        if !context.spend(1 + edges.len() as u64 / EDGES_PER_UNIT)? {
+        if !meter.spend(1 + edges.len() as u64 / EDGES_PER_UNIT)? {
             return Ok(Exhausted::Budget);
         }
         for acts in edges {

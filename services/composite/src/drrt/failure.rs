@@ -4,7 +4,7 @@ use contract::{CauseTally, FailureReport, Soundness};
 use plan::{BodyRef, Cause};
 
 use super::mode_vector::{BLOCKED_S, VectorId};
-use super::rules::{Refused, State};
+use super::rules::{Act, Refused, State};
 use super::search::Search;
 use super::validity::CompositeValidity;
 
@@ -71,14 +71,38 @@ impl<V: CompositeValidity> Search<'_, V> {
         Some((Cause::NoPath { pair, robot, blocking: objects.iter().map(name).collect() }, 1))
     }
 
+    /// Robots that stand on a robot's shortest way to its phase's goal.
+    fn standing_in_the_way(&mut self, state: &State, robot: usize) -> Vec<usize> {
+        let mut at = state.clone();
+        let mut found = Vec::new();
+        while let Act::Along(arc) = self.rules.informed(&at, robot) {
+            let own = self.rules.motion(&at, at.vector, robot, Act::Along(arc));
+            for other in (0..at.vertices.len()).filter(|other| *other != robot) {
+                let stand = self.rules.motion(&at, at.vector, other, Act::Stay);
+                if self.rules.conflict(own, stand) {
+                    found.push(other);
+                }
+            }
+            at.vertices[robot] = self.rules.arcs(&at, robot)[arc].to;
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// Robots whose wishes excluded one another at the furthest point; where none did, those that are not at their end.
-    fn deadlock(&self, state: &State) -> Option<(Cause, u64)> {
+    fn deadlock(&mut self, state: &State) -> Option<(Cause, u64)> {
         let robots = state.vertices.len();
         let at_furthest = self.refusals.range((state.vector, 0, 0)..(state.vector + 1, 0, 0));
         let (mut names, mut times) = (vec![false; robots], 0);
         for ((_, a, b), count) in at_furthest {
             (names[*a], names[*b]) = (true, true);
             times += count;
+        }
+        if let Some(aim) = self.rules.roadmap.aim {
+            let in_the_way = self.standing_in_the_way(state, aim.robot);
+            times += in_the_way.len() as u64;
+            in_the_way.into_iter().chain([aim.robot]).for_each(|robot| names[robot] = true);
         }
         if times == 0 {
             names = (0..robots).map(|robot| self.rules.urgency(state, robot).class != 2).collect();

@@ -9,7 +9,7 @@ use super::validity::{CompositeValidity, TimedEdge};
 use crate::{Conflicts, TimedMotion};
 
 /// The conflict relation, and where objects stand.
-pub(super) struct Geometric<'a> {
+pub(crate) struct Geometric<'a> {
     pub conflicts: &'a Conflicts,
     pub assignment: &'a Assignment,
 }

@@ -5,7 +5,6 @@ use contract::{
 };
 use skeleton::Skeleton;
 
-use crate::prefix::check_commitments;
 use crate::{Scene, load_prefix};
 
 /// Answers a `Drrt` job: commitments for all that is left after `prefix`.
@@ -20,7 +19,7 @@ pub fn refine(
     context: &mut JobContext<'_>,
 ) -> Result<Outcome, Interrupted> {
     let done = load_prefix(context, prefix)?;
-    check_commitments(scene, &done)?;
+    done.check(scene)?;
     let skeleton = Skeleton { graph: scene.graph(assignment)?, ..scene.skeleton.clone() };
     let load = |of_robot: &Vec<ProductRef>| of_robot.iter().map(|wanted| load_roadmap(wanted, context)).collect();
     let roadmaps: Vec<Vec<ModeRoadmap>> = roadmaps.iter().map(load).collect::<Result<_, _>>()?;
@@ -31,13 +30,15 @@ pub fn refine(
         Err(report) => return Ok(Outcome { result: Err(report), work: context.spent() }),
     };
     let ends_s = |c: &Commitment| c.tail.last().map_or(c.event_s, |last| last.ends_s);
-    let event_s = done.iter().chain(&commitments).map(|c| c.event_s).fold(0.0, f64::max);
-    let tail_s = done.iter().chain(&commitments).map(ends_s).fold(0.0, f64::max);
-    let prefix = context.publish(&Product::Prefix(Prefix { parent: prefix, commitments }))?;
+    let all = || done.commitments.iter().chain(&commitments);
+    let event_s = all().map(|c| c.event_s).fold(0.0, f64::max);
+    let tail_s = all().map(ends_s).fold(0.0, f64::max);
+    let prefix = context.publish(&Product::Prefix(Prefix { parent: prefix, commitments, tails: Vec::new() }))?;
     Ok(Outcome::answer(Answer::Committed { prefix, event_s, tail_s }, context.spent()))
 }
 
-fn load_roadmap(wanted: &ProductRef, context: &JobContext<'_>) -> Result<ModeRoadmap, Interrupted> {
+/// The roadmap of a mode.
+pub(crate) fn load_roadmap(wanted: &ProductRef, context: &JobContext<'_>) -> Result<ModeRoadmap, Interrupted> {
     match context.product(wanted)? {
         Product::Mode(roadmap) => Ok(roadmap),
         _ => Err(Interrupted::Unfit(format!("product {:?} is no roadmap of a mode", wanted.digest))),
@@ -45,7 +46,11 @@ fn load_roadmap(wanted: &ProductRef, context: &JobContext<'_>) -> Result<ModeRoa
 }
 
 /// Whether every roadmap holds what its mode holds.
-fn check_holdings(scene: &Scene, assignment: &Assignment, roadmaps: &[Vec<ModeRoadmap>]) -> Result<(), Interrupted> {
+pub(crate) fn check_holdings(
+    scene: &Scene,
+    assignment: &Assignment,
+    roadmaps: &[Vec<ModeRoadmap>],
+) -> Result<(), Interrupted> {
     for (modes, roadmaps) in scene.skeleton.modes.iter().zip(roadmaps) {
         for (mode, roadmap) in modes.iter().zip(roadmaps) {
             let pair = mode.pair.filter(|_| mode.is_holding());

@@ -42,7 +42,6 @@ impl<'c, 'j> Meter<'c, 'j> {
     }
 
     /// Work units spent by this search.
-    #[cfg(test)]
     pub fn spent(&self) -> u64 {
         self.spent
     }

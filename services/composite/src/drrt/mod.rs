@@ -24,6 +24,7 @@ mod oracle;
 mod phase;
 mod polish;
 mod queue;
+mod repair;
 mod rules;
 mod schedule;
 mod search;
@@ -38,18 +39,21 @@ use contract::{
 };
 use skeleton::Skeleton;
 
+pub(crate) use geometric::Geometric;
 pub use job::refine;
+pub(crate) use job::{check_holdings, load_roadmap};
+pub use repair::{Repaired, Together, repair_with};
 pub use validity::{CompositeValidity, RobotEdge, TimedEdge};
 
 use composite_roadmap::CompositeRoadmap;
 use exhaust::Exhausted;
-use geometric::Geometric;
 use meter::Meter;
 use polish::Way;
+use rules::Rules;
 use search::Search;
-use start::Start;
+use start::{RobotStart, Start};
 
-use crate::Conflicts;
+use crate::{CommittedMotion, Conflicts};
 
 /// Products of no more composite vertices than this are searched systematically when chance has not found a way.
 const SMALL: f64 = 200_000.0;
@@ -62,7 +66,7 @@ pub fn drrt(
     statement: &ProblemStatement,
     skeleton: &Skeleton,
     assignment: &Assignment,
-    done: &[Commitment],
+    done: &CommittedMotion,
     roadmaps: &[Vec<ModeRoadmap>],
     conflicts: &Conflicts,
     context: &mut JobContext<'_>,
@@ -80,7 +84,7 @@ pub fn drrt(
 pub fn drrt_with<V: CompositeValidity>(
     statement: &ProblemStatement,
     skeleton: &Skeleton,
-    done: &[Commitment],
+    done: &CommittedMotion,
     roadmaps: &[Vec<ModeRoadmap>],
     validity: &V,
     context: &mut JobContext<'_>,
@@ -88,20 +92,46 @@ pub fn drrt_with<V: CompositeValidity>(
     let problem = &statement.problem;
     let mut roadmap = CompositeRoadmap::new(problem, skeleton, roadmaps)?;
     let start = Start::after(done, &roadmap)?;
-    let finished = start.robots.iter().enumerate().filter(|(_, robot)| robot.is_done);
-    finished.for_each(|(robot, _)| roadmap.pin(robot));
+    for (robot, RobotStart { phase, vertex, .. }) in start.robots.iter().enumerate().filter(|(_, robot)| robot.is_done)
+    {
+        roadmap.pin(robot, *phase, *vertex);
+    }
     let names: Vec<&str> = problem.robots.iter().map(|robot| robot.name.as_str()).collect();
     let random = RandomStream::new(statement.seed, StageKind::Composite, &names, "drrt");
-    let is_small = roadmap.size() <= SMALL;
+    let found = seek(&roadmap, &start, validity, random, u64::MAX, context)?;
+    let moves = |robot: usize| !start.robots[robot].is_done;
+    Ok(found.map(|mut found| schedule::schedule(&mut found.rules, &start, &found.way, moves).commitments))
+}
+
+/// A way, and the rules that it keeps.
+struct Sought<'a, V> {
+    rules: Rules<'a, V>,
+    way: Way,
+}
+
+/// A way from the start to the roadmap's aim, for at most `limit` work units.
+fn seek<'a, V: CompositeValidity>(
+    roadmap: &'a CompositeRoadmap<'a>,
+    start: &Start,
+    validity: &'a V,
+    random: RandomStream,
+    limit: u64,
+    context: &mut JobContext<'_>,
+) -> Result<Result<Sought<'a, V>, FailureReport>, Interrupted> {
+    let size = roadmap.size(start.robots.iter().map(|robot| robot.phase));
+    let is_small = size <= SMALL;
+    let limit = limit.min(context.left());
     // A product that can be searched through is not worth more chance than that takes.
-    let limit = if is_small { (roadmap.size() as u64).min(context.left() / 2) } else { u64::MAX };
+    let by_chance = if is_small { (size as u64).min(limit / 2) } else { limit };
     let root: Vec<(u32, VertexId)> = start.robots.iter().map(|robot| (robot.phase, robot.vertex)).collect();
-    let mut search = Search::new(&roadmap, validity, &root, random);
-    search.run(&mut Meter::new(context, limit))?;
+    let mut search = Search::new(roadmap, validity, &root, random);
+    let mut meter = Meter::new(context, by_chance);
+    search.run(&mut meter)?;
+    let left = limit.saturating_sub(meter.spent());
     let root = search.tree.get(0).state.clone();
     let steps = match search.solution {
         Some(solution) => search.tree.path_to(solution),
-        None if is_small => match exhaust::exhaust(&mut search.rules, &root, context)? {
+        None if is_small => match exhaust::exhaust(&mut search.rules, &root, &mut Meter::new(context, left))? {
             Exhausted::Found(steps) => steps,
             Exhausted::NoWay => return Ok(Err(search.failure(true))),
             Exhausted::Budget => return Ok(Err(search.failure(false))),
@@ -109,7 +139,7 @@ pub fn drrt_with<V: CompositeValidity>(
         None => return Ok(Err(search.failure(false))),
     };
     let way = Way::new(&mut search.rules, root, steps).polish(&mut search.rules, context)?;
-    Ok(Ok(schedule::commitments(&mut search.rules, &start, &way)))
+    Ok(Ok(Sought { rules: search.rules, way }))
 }
 
 #[cfg(test)]

@@ -31,12 +31,19 @@ impl<V: CompositeValidity> Rules<'_, V> {
         let phase = self.roadmap.phase(robot, vector.phases[robot]);
         let to_go_s = self.time_to_go_s(state, robot);
         let is_last = phase.events.is_empty();
-        let class = match (vector.open[robot], is_last && state.vertices[robot] == phase.goal) {
+        let is_done = match self.roadmap.aim {
+            None => is_last && state.vertices[robot] == phase.goal,
+            // Who only makes room is never in a hurry.
+            Some(aim) if aim.robot != robot => is_last,
+            Some(aim) => self.is_reached(aim, state),
+        };
+        let class = match (vector.open[robot], is_done) {
             (_, true) => 2,
             (false, _) => 1,
             (true, _) => 0,
         };
-        Urgency { class, remaining_s: to_go_s + phase.remaining_s }
+        let is_aim = self.roadmap.aim.is_some_and(|aim| aim.robot == robot);
+        Urgency { class, remaining_s: if is_aim { f64::MAX } else { to_go_s + phase.remaining_s } }
     }
 
     /// Robots, most urgent first: those whose event may happen before those that wait, longest critical path first.
@@ -113,13 +120,16 @@ impl<V: CompositeValidity> Rules<'_, V> {
 }
 
 impl<V: CompositeValidity> Rules<'_, V> {
-    /// Lower bound on the time from a state to the end of the plan (s).
+    /// Lower bound on the time from a state to the aim (s).
     pub fn least_remaining_s(&self, state: &State) -> f64 {
         let phases = &self.vector(state).phases;
         let least = |robot: usize| {
             let phase = self.roadmap.phase(robot, phases[robot]);
             phase.cost_to_go_s[state.vertices[robot].index()] + phase.remaining_s
         };
+        if let Some(aim) = self.roadmap.aim {
+            return if self.is_reached(aim, state) { 0.0 } else { least(aim.robot) };
+        }
         (0..phases.len()).map(least).fold(0.0, f64::max)
     }
 

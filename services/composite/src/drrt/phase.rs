@@ -40,6 +40,11 @@ impl Phase {
         self.events.iter().any(|event| matches!(event.point, Point::Grasp | Point::Release))
     }
 
+    /// Whether the robot comes to where its mode ends at its end.
+    pub fn is_arrival(&self) -> bool {
+        self.events.iter().any(|event| matches!(event.point, Point::AtPick | Point::AtPlace))
+    }
+
     /// Whether a robot at `vertex` has the point at this phase's end behind it: the arm is folded, and nothing else had
     /// to come before.
     pub fn is_left_behind(&self, vertex: VertexId, next: Option<&Phase>) -> bool {

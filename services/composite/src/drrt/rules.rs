@@ -8,9 +8,10 @@ use std::collections::HashMap;
 
 use contract::VertexId;
 
-use super::composite_roadmap::{CompositeRoadmap, Motion};
+use super::composite_roadmap::{CompositeRoadmap, Motion, Passed};
 use super::mode_graph::Arc;
 use super::mode_vector::{ModeVector, ModeVectors, VectorId};
+use super::phase::Phase;
 use super::validity::CompositeValidity;
 
 /// A vertex of the composite roadmap.
@@ -73,13 +74,36 @@ impl<'a, V: CompositeValidity> Rules<'a, V> {
         self.roadmap.arcs(robot, self.vector(state).phases[robot], state.vertices[robot])
     }
 
-    /// Whether all robots are at the end of their last phases.
+    /// Whether the aim is reached: all robots are at the end of their last phases, if nothing else is aimed at.
     pub fn is_final(&self, state: &State) -> bool {
+        if let Some(aim) = self.roadmap.aim {
+            return self.is_reached(aim, state) && !self.counts_on_an_arrival(state);
+        }
         let vector = self.vector(state);
         (0..state.vertices.len()).all(|robot| {
             let phase = vector.phases[robot];
             phase as usize + 1 == self.roadmap.robots[robot].phases.len()
                 && state.vertices[robot] == self.roadmap.phase(robot, phase).goal
+        })
+    }
+
+    /// Whether a point is passed; of a last phase, whether the robot is at its end.
+    pub fn is_reached(&self, aim: Passed, state: &State) -> bool {
+        let at = self.vector(state).phases[aim.robot];
+        let phase = self.roadmap.phase(aim.robot, aim.phase);
+        at > aim.phase || at == aim.phase && phase.events.is_empty() && state.vertices[aim.robot] == phase.goal
+    }
+
+    /// Whether an event counts on a robot's having come to where its mode ends, and that mode has not ended: when the robot
+    /// comes there is then not settled yet.
+    fn counts_on_an_arrival(&self, state: &State) -> bool {
+        let phases = &self.vector(state).phases;
+        let over = |robot: usize| &self.roadmap.robots[robot].phases[..phases[robot] as usize];
+        (0..phases.len()).any(|robot| {
+            let mode = self.roadmap.phase(robot, phases[robot]).mode;
+            let arrived = over(robot).iter().rposition(|phase| phase.mode == mode && phase.is_arrival());
+            let counts = |phase: &Phase, arrival: usize| phase.needs.get(robot).is_some_and(|n| *n as usize > arrival);
+            arrived.is_some_and(|arrival| (0..phases.len()).any(|other| over(other).iter().any(|p| counts(p, arrival))))
         })
     }
 

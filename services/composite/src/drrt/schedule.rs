@@ -1,9 +1,10 @@
 //! From a way through the composite roadmap to commitments.
 
-use contract::{Commitment, Move};
+use contract::{Commitment, ModeRoadmap, Move, Tail};
+use model::{AllowedContacts, RobotId};
 
 use super::polish::Way;
-use super::rules::{Act, Rules};
+use super::rules::{Act, Rules, State};
 use super::start::{RobotStart, Start};
 use super::validity::CompositeValidity;
 
@@ -17,10 +18,23 @@ struct Track {
     since_s: f64,
 }
 
-/// Commitments of every mode that the way ends, in order of their events.
-pub(super) fn commitments<V: CompositeValidity>(rules: &mut Rules<'_, V>, start: &Start, way: &Way) -> Vec<Commitment> {
+/// What a way becomes.
+pub(super) struct Scheduled {
+    /// Commitments of every mode that the way ends, in order of their events, without tails.
+    pub commitments: Vec<Commitment>,
+    /// What robots that are not at their end have done since their last events.
+    pub tails: Vec<Tail>,
+}
+
+/// Gives a way its times; only robots that may move are committed to anything.
+pub(super) fn schedule<V: CompositeValidity>(
+    rules: &mut Rules<'_, V>,
+    start: &Start,
+    way: &Way,
+    moves: impl Fn(usize) -> bool,
+) -> Scheduled {
     let mut tracks: Vec<Track> = start.robots.iter().map(Track::new).collect();
-    let mut committed = Vec::new();
+    let mut commitments = Vec::new();
     let mut now_s = start.begins_s;
     for (state, acts) in way.states.iter().zip(&way.steps) {
         let step = rules.step(state, acts);
@@ -37,7 +51,7 @@ pub(super) fn commitments<V: CompositeValidity>(rules: &mut Rules<'_, V>, start:
                 }
                 Act::Event if phase.ends_mode() => {
                     let graph = &rules.roadmap.robots[robot].modes[phase.mode];
-                    committed.push(Commitment {
+                    commitments.push(Commitment {
                         mode: graph.roadmap.mode,
                         holding: graph.roadmap.holding,
                         moves: std::mem::take(&mut track.moves),
@@ -55,16 +69,32 @@ pub(super) fn commitments<V: CompositeValidity>(rules: &mut Rules<'_, V>, start:
         }
         now_s = next_s;
     }
-    for (robot, track) in tracks.into_iter().enumerate() {
-        let Some(closing) = rules.roadmap.robots[robot].closing().filter(|_| !start.robots[robot].is_done) else {
-            continue;
-        };
-        let (mode, holding) = (closing.mode, closing.holding);
-        let (moves, event_s) = track.close();
-        committed.push(Commitment { mode, holding, moves, event_s, tail: Vec::new(), tail_holding: holding });
+    let mut tails = Vec::new();
+    let last = &way.states[way.states.len() - 1];
+    for (robot, track) in tracks.into_iter().enumerate().filter(|(robot, _)| moves(*robot)) {
+        if let Some(closing) = rules.closes(last, robot) {
+            let (mode, holding) = (closing.mode, closing.holding);
+            let (moves, event_s) = track.close();
+            commitments.push(Commitment { mode, holding, moves, event_s, tail: Vec::new(), tail_holding: holding });
+        } else {
+            let graph = rules.roadmap.graph(robot, rules.vector(last).phases[robot]);
+            let moves = track.rest(&graph.timed_stand(last.vertices[robot]).travel);
+            tails.push(Tail { robot: RobotId::at(robot), moves });
+        }
     }
-    committed.sort_by(|a, b| a.event_s.total_cmp(&b.event_s));
-    committed
+    commitments.sort_by(|a, b| a.event_s.total_cmp(&b.event_s));
+    Scheduled { commitments, tails }
+}
+
+impl<V: CompositeValidity> Rules<'_, V> {
+    /// The roadmap of a robot's closing return, if that is over with the aim in this state.
+    fn closes(&self, state: &State, robot: usize) -> Option<&ModeRoadmap> {
+        let is_over = match self.roadmap.aim {
+            Some(aim) => aim.robot == robot && self.vector(state).phases[robot] == aim.phase,
+            None => true,
+        };
+        self.roadmap.robots[robot].closing().filter(|_| is_over)
+    }
 }
 
 impl Track {
@@ -93,6 +123,17 @@ impl Track {
                 self.moves.push(Move { from, to, begins_s, ends_s: until_s, ..stand.clone() });
             }
         }
+    }
+
+    /// The moves, with what the robot may touch where it comes to rest, if that is anything.
+    fn rest(mut self, stand: &Move) -> Vec<Move> {
+        let stands = self.moves.last().is_some_and(|last| last.from == last.to);
+        if !stands && stand.allowed != AllowedContacts::default() {
+            let time_s = self.moves.last().map_or(self.since_s, |last| last.ends_s);
+            let (from, to) = (self.at.clone(), self.at);
+            self.moves.push(Move { from, to, begins_s: time_s, ends_s: time_s, ..stand.clone() });
+        }
+        self.moves
     }
 
     /// The closing return: it is over when the robot has come to its end, however long the others still move.

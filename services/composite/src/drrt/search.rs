@@ -187,8 +187,10 @@ impl<'a, V: CompositeValidity> Search<'a, V> {
     }
 
     fn note_solution(&mut self, node: NodeId) {
-        // The final state is one state, so a better solution is a cheaper way to its node.
-        if self.rules.is_final(&self.tree.get(node).state) {
+        // If all has to be done, the final state is one, and a better solution is a cheaper way to its node.
+        let cost_s = |node: NodeId| self.tree.get(node).cost_s;
+        let is_better = self.solution.is_none_or(|known| cost_s(node) < cost_s(known));
+        if is_better && self.rules.is_final(&self.tree.get(node).state) {
             self.solution = Some(node);
         }
     }

@@ -1,9 +1,10 @@
 //! Where and when the search begins: after a committed prefix.
 
 use contract::{Commitment, EdgeKind, Interrupted, ModeRoadmap, Move, VertexId};
-use model::Robot;
+use model::{Robot, RobotId};
 
 use super::composite_roadmap::CompositeRoadmap;
+use crate::CommittedMotion;
 
 /// How far a configuration may be from the vertex it stands for (m, rad).
 const SAME: f64 = 1e-9;
@@ -38,43 +39,56 @@ impl Start {
     ///
     /// # Errors
     /// [`Interrupted::Unfit`]: a tail that is not on the roadmap of the robot's next mode.
-    pub fn after(done: &[Commitment], roadmap: &CompositeRoadmap<'_>) -> Result<Self, Interrupted> {
-        let robots = roadmap.robots.len();
-        let last: Vec<Option<&Commitment>> =
-            (0..robots).map(|robot| done.iter().rev().find(|c| c.mode.robot.index() == robot)).collect();
-        let mut begins_s: f64 = 0.0;
-        for (robot, last) in last.iter().enumerate() {
-            let Some(last) = last else { continue };
-            begins_s = begins_s.max(last.event_s + rest_after(roadmap, robot, last));
-        }
-        let tails = || last.iter().flatten().flat_map(|last| &last.tail);
+    pub fn after(done: &CommittedMotion, roadmap: &CompositeRoadmap<'_>) -> Result<Self, Interrupted> {
+        let mut begins_s = rested_s(done, roadmap);
+        let tails = || ids(roadmap).flat_map(|robot| done.tail(robot));
         while let Some(travel) = tails().find(|m| m.from != m.to && m.begins_s < begins_s && begins_s < m.ends_s) {
             begins_s = travel.ends_s;
         }
-        let robots = last
-            .iter()
-            .enumerate()
-            .map(|(robot, last)| robot_start(roadmap, robot, *last, begins_s))
-            .collect::<Result<_, _>>()?;
+        Self::at(begins_s, done, roadmap)
+    }
+
+    /// Every robot is where its tail ends.
+    ///
+    /// # Errors
+    /// As for [`Start::after`].
+    pub fn at_rest(done: &CommittedMotion, roadmap: &CompositeRoadmap<'_>) -> Result<Self, Interrupted> {
+        let ends_s = ids(roadmap).filter_map(|robot| done.tail(robot).last()).map(|last| last.ends_s);
+        Self::at(ends_s.fold(rested_s(done, roadmap), f64::max), done, roadmap)
+    }
+
+    fn at(begins_s: f64, done: &CommittedMotion, roadmap: &CompositeRoadmap<'_>) -> Result<Self, Interrupted> {
+        let robots = ids(roadmap).map(|robot| robot_start(roadmap, robot, done, begins_s)).collect::<Result<_, _>>()?;
         Ok(Self { begins_s, robots })
     }
 }
 
+fn ids(roadmap: &CompositeRoadmap<'_>) -> impl Iterator<Item = RobotId> {
+    (0..roadmap.robots.len()).map(RobotId::at)
+}
+
+/// When the last hand has rested after its event (s).
+fn rested_s(done: &CommittedMotion, roadmap: &CompositeRoadmap<'_>) -> f64 {
+    let last = ids(roadmap).filter_map(|robot| done.last(robot));
+    last.map(|last| last.event_s + rest_after(roadmap, last)).fold(0.0, f64::max)
+}
+
 /// How long a robot has to rest after a commitment (s).
-fn rest_after(roadmap: &CompositeRoadmap<'_>, robot: usize, last: &Commitment) -> f64 {
-    let phases = &roadmap.robots[robot].phases;
+fn rest_after(roadmap: &CompositeRoadmap<'_>, last: &Commitment) -> f64 {
+    let phases = &roadmap.robots[last.mode.robot.index()].phases;
     let ending = phases.iter().rfind(|phase| phase.mode == last.mode.step as usize);
     ending.map_or(0.0, |phase| phase.rest_s)
 }
 
 fn robot_start(
     roadmap: &CompositeRoadmap<'_>,
-    robot: usize,
-    last: Option<&Commitment>,
+    robot: RobotId,
+    done: &CommittedMotion,
     begins_s: f64,
 ) -> Result<RobotStart, Interrupted> {
-    let glued = &roadmap.robots[robot];
-    let model = &roadmap.problem.robots[robot];
+    let last = done.last(robot);
+    let glued = &roadmap.robots[robot.index()];
+    let model = &roadmap.problem.robots[robot.index()];
     let mode = last.map_or(0, |last| last.mode.step as usize + 1);
     if mode > glued.modes.len() {
         return Err(Interrupted::Unfit(format!("the prefix has a mode that {} does not have", model.name)));
@@ -84,7 +98,7 @@ fn robot_start(
     let mut phase = first.unwrap_or(glued.phases.len() - 1);
     let graph = &glued.modes[glued.phases[phase].mode];
     let mut moves: Vec<Move> = Vec::new();
-    for travel in last.map_or(&[][..], |last| &last.tail) {
+    for travel in done.tail(robot) {
         if travel.begins_s < begins_s {
             moves.push(Move { ends_s: travel.ends_s.min(begins_s), ..travel.clone() });
         }
@@ -107,7 +121,7 @@ fn robot_start(
         let kind = moves.last().map_or(EdgeKind::Base, |m| m.kind);
         moves.push(Move { from: at.clone(), to: at.clone(), begins_s: stands_since, ends_s: begins_s, kind, ..stand });
     }
-    let rest_s = last.map_or(0.0, |last| rest_after(roadmap, robot, last));
+    let rest_s = last.map_or(0.0, |last| rest_after(roadmap, last));
     Ok(RobotStart { phase: phase as u32, vertex, at, moves, since_s: since, rest_s, is_done: first.is_none() })
 }
 

@@ -73,7 +73,7 @@ impl SynchronousJob<'_> {
     ) -> Result<Outcome, Interrupted> {
         let (commitments, ends_s) = commitments::commitments(team, &rounds);
         let modes = rounds.iter().map(|round| round.units.iter().map(|unit| unit.mode).collect()).collect();
-        let prefix = context.publish(&Product::Prefix(Prefix { parent: None, commitments }))?;
+        let prefix = context.publish(&Product::Prefix(Prefix { parent: None, commitments, tails: Vec::new() }))?;
         Ok(Outcome::answer(Answer::Rounds { prefix, rounds: modes, ends_s }, context.spent()))
     }
 }

@@ -9,7 +9,7 @@ use skeleton::{ArcOrigin, Event, ModeId};
 
 use super::team::TeamMode;
 use crate::commit::Orders;
-use crate::{Scene, Timeline};
+use crate::{CommittedMotion, Scene, Timeline};
 
 /// How many units of which robots must be done before a unit.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +31,7 @@ impl Needs {
     /// [`Interrupted::Unfit`] if they contradict one another.
     pub fn new(scene: &Scene, assignment: &Assignment, modes: &[Vec<TeamMode<'_>>]) -> Result<Self, Interrupted> {
         let graph = scene.graph(assignment)?;
-        let timeline = Timeline::new(scene, assignment, Vec::new())?;
+        let timeline = Timeline::new(scene, assignment, CommittedMotion::default())?;
         let orders = Orders { scene, graph: &graph, timeline: &timeline };
         let mut needs: Vec<Vec<Need>> = modes.iter().map(|of_robot| vec![Need::default(); of_robot.len()]).collect();
         for arc in graph.arcs().iter().filter(|arc| arc.origin != ArcOrigin::Robot) {

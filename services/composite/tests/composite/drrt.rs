@@ -91,7 +91,7 @@ fn the_search_goes_on_after_modes_committed_one_by_one() {
         toy.commit_all(|commitments| prefixes.push(commitments.to_vec()));
         for commitments in prefixes {
             let name = format!("world {seed} after {}", commitments.len());
-            let prefix = toy.put(&Product::Prefix(contract::Prefix { parent: None, commitments }));
+            let prefix = toy.put(&Product::Prefix(contract::Prefix { parent: None, commitments, tails: vec![] }));
             match search(&toy, Some(prefix), 20_000).0 {
                 Ok(complete) => {
                     check(&toy, complete, &name);

@@ -99,7 +99,7 @@ fn commitments_that_jump_or_overlap_in_time_are_refused() {
     for (i, edit) in edits.iter().enumerate() {
         let mut commitments = good.clone();
         edit(&mut commitments[0]);
-        let bad = toy.put(&Product::Prefix(Prefix { parent: None, commitments }));
+        let bad = toy.put(&Product::Prefix(Prefix { parent: None, commitments, tails: vec![] }));
         unfit(toy.ask(&toy.commit_job(Some(bad), mode(1, 0), |_| ())), &format!("edit {i}"));
     }
 }
@@ -164,7 +164,7 @@ fn motion_that_meets_is_not_assembled() {
             .map(|prefix| other.commitments(prefix))
     };
     let commitments = [alone(0).unwrap(), alone(1).unwrap()].concat();
-    let prefix = toy.put(&Product::Prefix(Prefix { parent: None, commitments }));
+    let prefix = toy.put(&Product::Prefix(Prefix { parent: None, commitments, tails: vec![] }));
     let shortest_s = vec![vec![0.0; 3]; 2];
     let outcome = toy.ask(&toy.job(Composition::Assemble { prefix, shortest_s, rounds: vec![] })).unwrap();
     let causes = outcome.result.unwrap_err().causes;

@@ -12,8 +12,10 @@ mod urgency;
 
 use std::collections::BTreeMap;
 
-use contract::{Answer, CauseTally, Composition, Decision, Digest, JobId, Outcome, ProductRef, Request, Soundness};
-use model::PairId;
+use contract::{
+    Answer, CauseTally, ComposeJob, Composition, Decision, Digest, Job, JobId, Outcome, ProductRef, Request, Soundness,
+};
+use model::{PairId, RobotId};
 use plan::{Cause, ResultKind};
 use refiner::End;
 use scripted::{Rule, Scripted, decisions, fails, no_path, relay, statement, transfer_fails_with};
@@ -123,9 +125,9 @@ fn where_no_mode_can_be_committed_the_composite_search_is_asked_and_then_an_alte
     let statement = relay();
     let blocked = |request: &Request, with_drrt: bool| match request {
         Request::Compose(job) if job.assignment.grasps.iter().any(|grasp| grasp.0 == 0) => match job.composition {
-            Composition::CommitMode { mode, .. } => mode.step == 1,
+            Composition::CommitMode { mode, .. } | Composition::Repair { mode, .. } => mode.step == 1,
             Composition::Drrt { .. } => with_drrt,
-            Composition::Assemble { .. } | Composition::Synchronous { .. } => false,
+            Composition::Assemble { .. } | Composition::Synchronous { .. } | Composition::Passages { .. } => false,
         },
         _ => false,
     };
@@ -140,6 +142,61 @@ fn where_no_mode_can_be_committed_the_composite_search_is_asked_and_then_an_alte
     let run = stages.run();
     assert!(matches!(run.end, End::Solved { .. }), "{:?}", run.end);
     assert!(decisions(&run.ledger).iter().any(|d| matches!(d, Decision::Alternative { index: 1, .. })));
+}
+
+/// A mode of the first robot cannot be committed while the first alternative of its pair is chosen.
+fn stuck(request: &Request) -> Option<Outcome> {
+    let is_stuck = match request {
+        Request::Compose(job) => matches!(&job.composition, Composition::CommitMode { mode, .. }
+            if (mode.robot.0, mode.step) == (0, 1) && job.assignment.grasps[0].0 == 0),
+        _ => false,
+    };
+    let deadlock = Cause::Deadlock { robots: vec!["r1".into(), "r2".into()] };
+    is_stuck.then(|| fails(deadlock, Soundness::Soft { level: 0 }))
+}
+
+fn repairs(stages: &Scripted<'_>) -> Vec<(ModeId, usize)> {
+    let of_job = |job: &Job| match &job.request {
+        Request::Compose(ComposeJob { composition: Composition::Repair { mode, robots, .. }, .. }) => {
+            Some((*mode, robots.len()))
+        }
+        _ => None,
+    };
+    stages.asked.iter().filter_map(of_job).collect()
+}
+
+#[test]
+fn behind_a_repair_modes_are_committed_one_by_one_again() {
+    let statement = relay();
+    let mut stages = Scripted::new(&statement, vec![Box::new(stuck)]);
+    let run = stages.run();
+    assert!(matches!(run.end, End::Solved { .. }));
+    let mode = ModeId { robot: RobotId(0), step: 1 };
+    assert_eq!(repairs(&stages), [(mode, 2)]);
+    let decided = decisions(&run.ledger);
+    let repair = decided.iter().position(|decision| *decision == Decision::Repair(mode)).unwrap();
+    let behind: Vec<&Decision> = decided[repair + 1..].iter().collect();
+    assert_eq!(behind[0], &Decision::Commit(mode));
+    assert!(behind.len() > 1 && behind.iter().all(|decision| matches!(decision, Decision::Commit(_))), "{behind:?}");
+    assert_eq!(stages.count(Request::is_drrt), 0);
+}
+
+#[test]
+fn where_a_mode_has_no_passage_its_pairs_are_revised_at_once() {
+    let statement = relay();
+    let no_passage: Rule = Box::new(|request| match request {
+        Request::Compose(job) if matches!(job.composition, Composition::Passages { .. }) => {
+            let mode = ModeId { robot: RobotId(0), step: 1 };
+            Some(Outcome::answer(Answer::NoPassage(vec![(mode, RobotId(1))]), 1))
+        }
+        _ => None,
+    });
+    let mut stages = Scripted::new(&statement, vec![no_passage, Box::new(stuck)]);
+    let run = stages.run();
+    assert!(matches!(run.end, End::Solved { .. }), "{:?}", run.end);
+    assert!(repairs(&stages).is_empty() && stages.count(Request::is_drrt) == 0);
+    let revised = |decision: &Decision| matches!(decision, Decision::Alternative { pair: PairId(0), .. });
+    assert!(decisions(&run.ledger).iter().any(revised));
 }
 
 #[test]

@@ -54,7 +54,8 @@ fn of_two_plans_on_the_same_roadmaps_the_shorter_is_kept_and_one_is_enough() {
         let rule: Rule = Box::new(move |request| {
             let Request::Compose(job) = request else { return None };
             match &job.composition {
-                Composition::CommitMode { .. } => Some(deadlock()),
+                Composition::CommitMode { .. } | Composition::Repair { .. } => Some(deadlock()),
+                Composition::Passages { .. } => None,
                 Composition::Drrt { .. } => by_drrt.is_none().then(deadlock),
                 Composition::Synchronous { .. } => {
                     of_rounds.set(true);

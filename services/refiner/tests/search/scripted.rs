@@ -66,7 +66,12 @@ impl<'a> Scripted<'a> {
             Request::Blockers(job) => Answer::Blocked(vec![false; job.standing.len()]),
             Request::Piece(_) => Answer::Piece(made),
             Request::Mode(_) => Answer::Mode { roadmap: made, shortest_s: 1.0, in_the_way: Vec::new() },
-            Request::Compose(job) => match job.composition {
+            Request::Compose(job) => match &job.composition {
+                Composition::Repair { mode, .. } => {
+                    self.commits += 1;
+                    Answer::Repaired { prefix: made, modes: vec![(*mode, self.commits as f64)] }
+                }
+                Composition::Passages { .. } => Answer::NoPassage(Vec::new()),
                 Composition::Assemble { .. } => Answer::Plan { plan: made, makespan_s: 9.0 },
                 Composition::Synchronous { .. } => {
                     Answer::Rounds { prefix: made, rounds: two_rounds().into(), ends_s: 9.0 }

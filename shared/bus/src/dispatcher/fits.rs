@@ -24,10 +24,14 @@ fn is_answer_to(answer: &Answer, request: &Request) -> bool {
         (Request::Transition(job), Answer::Alternatives(alternatives)) => alternatives.len() <= job.count as usize,
         (Request::Blockers(job), Answer::Blocked(blocked)) => blocked.len() == job.standing.len(),
         (Request::Piece(_), Answer::Piece(_)) | (Request::Mode(_), Answer::Mode { .. }) => true,
-        (Request::Compose(job), answer) => match job.composition {
+        (Request::Compose(job), answer) => match &job.composition {
             Composition::CommitMode { .. } | Composition::Drrt { .. } => matches!(answer, Answer::Committed { .. }),
             Composition::Assemble { .. } => matches!(answer, Answer::Plan { .. }),
             Composition::Synchronous { .. } => matches!(answer, Answer::Rounds { .. }),
+            Composition::Repair { mode, .. } => {
+                matches!(answer, Answer::Repaired { modes, .. } if modes.iter().any(|(done, _)| done == mode))
+            }
+            Composition::Passages { .. } => matches!(answer, Answer::NoPassage(_)),
         },
         _ => false,
     }

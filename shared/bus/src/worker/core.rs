@@ -270,9 +270,15 @@ pub(crate) fn product_of(outcome: &Outcome) -> Option<ProductRef> {
     match outcome.result.as_ref().ok()? {
         Answer::Piece(product) => Some(*product),
         Answer::Mode { roadmap, .. } => Some(*roadmap),
-        Answer::Committed { prefix, .. } | Answer::Rounds { prefix, .. } => Some(*prefix),
+        Answer::Committed { prefix, .. } | Answer::Rounds { prefix, .. } | Answer::Repaired { prefix, .. } => {
+            Some(*prefix)
+        }
         Answer::Plan { plan, .. } => Some(*plan),
-        Answer::Placements(_) | Answer::Hop { .. } | Answer::Alternatives(_) | Answer::Blocked(_) => None,
+        Answer::Placements(_)
+        | Answer::Hop { .. }
+        | Answer::Alternatives(_)
+        | Answer::Blocked(_)
+        | Answer::NoPassage(_) => None,
     }
 }
 

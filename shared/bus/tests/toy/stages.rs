@@ -107,7 +107,7 @@ fn compose(job: &ComposeJob, luck: u64, context: &JobContext<'_>) -> Result<Outc
                 tail: Vec::new(),
                 tail_holding: None,
             };
-            let prefix = Prefix { parent: *prefix, commitments: vec![commitment] };
+            let prefix = Prefix { parent: *prefix, commitments: vec![commitment], tails: Vec::new() };
             let prefix = context.publish(&Product::Prefix(prefix))?;
             Ok(Outcome::answer(Answer::Committed { prefix, event_s, tail_s: event_s }, luck))
         }
@@ -125,7 +125,10 @@ fn compose(job: &ComposeJob, luck: u64, context: &JobContext<'_>) -> Result<Outc
             let plan = context.publish(&Product::Plan(told.into_bytes()))?;
             Ok(Outcome::answer(Answer::Plan { plan, makespan_s }, luck))
         }
-        Composition::Drrt { .. } | Composition::Synchronous { .. } => {
+        Composition::Drrt { .. }
+        | Composition::Repair { .. }
+        | Composition::Synchronous { .. }
+        | Composition::Passages { .. } => {
             Err(Interrupted::Unfit("no other composite planner among the toys".to_owned()))
         }
     }

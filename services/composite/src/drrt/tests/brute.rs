@@ -8,7 +8,7 @@ use skeleton::{Event, Occupancy};
 use super::toy::{Place, Toy, place, present};
 
 /// Mode and vertex of each robot. A robot without modes is at (0, 0).
-type State = Vec<(usize, usize)>;
+pub type State = Vec<(usize, usize)>;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Act {
@@ -21,6 +21,16 @@ enum Act {
 /// Least composite time to the end (s); `None` if the end cannot be reached.
 pub fn optimum(toy: &Toy) -> Option<f64> {
     let start: State = toy.roadmaps.iter().map(|modes| (0, modes.first().map_or(0, |m| m.start.index()))).collect();
+    least_time(toy, start, |_| true, |state| is_end(toy, state))
+}
+
+/// Least composite time from a state to one that is an end (s), some robots moving only; `None` if there is no way.
+pub fn least_time(
+    toy: &Toy,
+    start: State,
+    moves: impl Fn(usize) -> bool,
+    is_end: impl Fn(&State) -> bool,
+) -> Option<f64> {
     let mut best: BTreeMap<State, f64> = BTreeMap::from([(start.clone(), 0.0)]);
     let mut open: BTreeSet<(u64, State)> = BTreeSet::from([(0, start)]);
     // Times are not negative, so their bits are ordered as they are.
@@ -29,10 +39,11 @@ pub fn optimum(toy: &Toy) -> Option<f64> {
         if best[&state] < time {
             continue;
         }
-        if is_end(toy, &state) {
+        if is_end(&state) {
             return Some(time);
         }
-        for acts in products(&state, |robot| acts_of(toy, &state, robot)) {
+        let acts_of = |robot| if moves(robot) { acts_of(toy, &state, robot) } else { vec![Act::Stay] };
+        for acts in products(&state, acts_of) {
             let Some((next, duration)) = step(toy, &state, &acts) else { continue };
             let then = time + duration;
             if best.get(&next).is_none_or(|known| then < *known) {

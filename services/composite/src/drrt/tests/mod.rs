@@ -5,6 +5,7 @@ mod large;
 mod points;
 mod prefixes;
 mod random;
+mod repairs;
 mod scenes;
 mod stepper;
 mod toy;

@@ -7,12 +7,13 @@ use super::super::{composite_roadmap::CompositeRoadmap, meter::Meter, search::Se
 use super::brute;
 use super::stepper::replay;
 use super::toy::{Dice, Order, Place, Places, Table, Task, Toy, configuration, edge, problem, roadmap};
+use crate::CommittedMotion;
 use model::Point;
 
 const BUDGET: u64 = 200_000;
 
 /// A robot's own places joined at random, other edges and numbers in each mode; conflicts, blockers and hits at random.
-fn tables(seed: u64) -> Toy {
+pub fn tables(seed: u64) -> Toy {
     let mut dice = Dice::new(seed);
     let robots = 2 + dice.below(2);
     let places = if robots == 2 { 3 + dice.below(6) } else { 3 + dice.below(3) };
@@ -86,7 +87,7 @@ fn with_orders(dice: &mut Dice, starts: &[usize], tasks: &[Task], objects: usize
 }
 
 /// Few shared places, one robot each: who is where matters.
-fn crowded(seed: u64) -> Toy {
+pub fn crowded(seed: u64) -> Toy {
     let mut dice = Dice::new(seed ^ 0xc0ffee);
     let robots = 2 + dice.below(2);
     let places = robots + 2 + dice.below(if robots == 2 { 5 } else { 3 });
@@ -161,7 +162,7 @@ impl Tally {
 fn by_chance(toy: &Toy, budget: u64) -> (bool, u64) {
     let problem = &toy.statement.problem;
     let roadmap = CompositeRoadmap::new(problem, &toy.skeleton, &toy.roadmaps).unwrap();
-    let start = Start::after(&[], &roadmap).unwrap();
+    let start = Start::after(&CommittedMotion::default(), &roadmap).unwrap();
     let root: Vec<(u32, VertexId)> = start.robots.iter().map(|robot| (robot.phase, robot.vertex)).collect();
     let random = RandomStream::new(toy.statement.seed, StageKind::Composite, &["toy"], "drrt");
     let mut search = Search::new(&roadmap, &toy.table, &root, random);

@@ -196,7 +196,7 @@ fn equal_seeds_give_equal_bytes_and_the_budget_is_kept() {
 fn a_cancelled_search_has_no_outcome() {
     let toy = places(path(6), &[0, 5], &[(0, 0, 0, 2), (1, 1, 5, 3)]).toy(0);
     let outcome = toy.with_flag(BUDGET, true, |context| {
-        drrt_with(&toy.statement, &toy.skeleton, &[], &toy.roadmaps, &toy.table, context)
+        drrt_with(&toy.statement, &toy.skeleton, &crate::CommittedMotion::default(), &toy.roadmaps, &toy.table, context)
     });
     assert_eq!(outcome.unwrap_err(), Interrupted::Cancelled);
 }

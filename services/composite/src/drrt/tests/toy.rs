@@ -15,6 +15,7 @@ use model::{
 use skeleton::{ModeId, Occupancy, Skeleton};
 
 use super::super::{CompositeValidity, TimedEdge, drrt_with};
+use crate::CommittedMotion;
 
 /// A linear congruential generator, so that tests do not share their randomness with what they test.
 pub struct Dice(u64);
@@ -294,7 +295,8 @@ impl Toy {
     /// Searches after a prefix within a budget; also the work units spent.
     pub fn solve_after(&self, done: &[Commitment], budget: u64) -> (Outcome, u64) {
         self.with_context(budget, |context| {
-            let outcome = drrt_with(&self.statement, &self.skeleton, done, &self.roadmaps, &self.table, context);
+            let done = CommittedMotion::from(done.to_vec());
+            let outcome = drrt_with(&self.statement, &self.skeleton, &done, &self.roadmaps, &self.table, context);
             (outcome, context.spent())
         })
     }

@@ -178,3 +178,18 @@ fn worlds_where_commitment_comes_to_a_dead_end_are_planned_by_giving_way_and_by_
     );
     assert!(given_way >= 5 && repaired >= 6 && handed_over < repaired, "{given_way}, {repaired}, {handed_over}");
 }
+
+#[test]
+fn an_object_that_would_shut_somebody_in_is_put_down_after_that_robot_has_come_out() {
+    // Robot 1 works at the end of a corridor, at whose beginning robot 2 puts an object, from a place beside it.
+    let mut world = World::grid(5, 1, 0.7);
+    world.points.extend([[0.35, -1.8], [0.35, -1.0], [0.35, -0.25]]);
+    world.ways.extend([(5, 6), (6, 7)]);
+    world.starts = vec![0, 6];
+    world.objects = vec![4, 5];
+    world.errands =
+        vec![Errand { robot: 0, object: 0, from: 4, to: 4 }, Errand { robot: 1, object: 1, from: 5, to: 7 }];
+    let found = search(&world, CompositeMethod::Prioritised, true, "shut in");
+    assert!(found.solved && found.dead_end, "the object never was in the way");
+    assert!(!found.repaired && !found.handed_over, "giving way was not enough");
+}

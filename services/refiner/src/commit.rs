@@ -7,11 +7,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use contract::{Answer, Composition, Decision, Job, LedgerEntry, ProductRef, StageKind};
 use model::{FailurePolicy, PairId, RobotId};
 use plan::{BodyRef, Cause};
-use skeleton::{Event, Mode, ModeId, ModeKind};
+use skeleton::{Event, Mode, ModeId};
 
 use crate::asking::misfit;
 use crate::candidate::{Candidate, Modes};
 use crate::conflict::{Choice, Conflict, Halt};
+use crate::give_way::GiveWay;
 use crate::search::Search;
 
 /// How often modes are committed anew before the composite search takes over.
@@ -25,17 +26,6 @@ pub(crate) enum Committed {
     Part(Vec<ProductRef>, BTreeSet<Choice>),
     /// Robots that never move leave no way to one mode.
     Never(Conflict),
-}
-
-/// Which robots give way to a mode until it is committed: they park clear of it, and return home after it only. If that
-/// is not enough, they wait for it with everything.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct GiveWay(BTreeMap<ModeId, BTreeMap<RobotId, Extent>>);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Extent {
-    Parks,
-    Waits,
 }
 
 /// Whether robots that never move leave no way.
@@ -54,6 +44,8 @@ pub(crate) struct Stranded {
     pub(crate) mode: ModeId,
     /// Robots in its way.
     pub(crate) by: Vec<RobotId>,
+    /// Modes that have put objects in its way.
+    releases: Vec<ModeId>,
     conflict: Conflict,
     /// Whether nobody in its way will ever move.
     for_ever: bool,
@@ -177,12 +169,13 @@ impl Candidate<'_> {
                 return Ok(Rounds::Complete(round));
             }
             let mut learnt = false;
-            for Stranded { mode, by, conflict: because, for_ever } in &round.stranded {
+            for Stranded { mode, by, releases, conflict: because, for_ever } in &round.stranded {
                 // Who has to stop at a failure hears it from the composite search.
                 if *for_ever && search.policy(StageKind::Composite) != FailurePolicy::Stop {
                     return Ok(Rounds::Never(self.alone(*mode, because.clone())));
                 }
                 learnt |= give_way.learn(*mode, by);
+                learnt |= give_way.learn_releases(*mode, releases);
                 search.backtrack(StageKind::Composite, Decision::Commit(*mode), because.first_cause());
                 conflict.merge(because.clone());
             }
@@ -230,12 +223,14 @@ impl Candidate<'_> {
                     Ok(_) => return Err(misfit(StageKind::Composite).into()),
                     Err(report) => {
                         let by = self.robots_at_fault(&report.causes, mode.id.robot);
-                        let pairs = by.iter().filter_map(|robot| self.pair_at(*robot, &round.next));
+                        let releases = self.releases_at_fault(&report.causes, mode, &round.next);
+                        let put = releases.iter().filter_map(|mode| self.skeleton.mode(*mode).pair);
+                        let pairs = by.iter().filter_map(|robot| self.pair_at(*robot, &round.next)).chain(put);
                         let pairs = pairs.chain(self.pair_at(mode.id.robot, &round.next)).map(Choice::Alternative);
                         let conflict = Conflict::of(pairs, &report.causes, Some(search.id(job)));
                         let for_ever = is_for_ever(&report.causes);
                         round.stuck_since.entry(mode.id).or_insert(round.prefixes.len());
-                        round.stranded.push(Stranded { mode: mode.id, by, conflict, for_ever });
+                        round.stranded.push(Stranded { mode: mode.id, by, releases, conflict, for_ever });
                     }
                 }
             }
@@ -271,6 +266,34 @@ impl Candidate<'_> {
         self.problem.robot_ids().filter(|robot| *robot != own && moves(robot) && named(robot)).collect()
     }
 
+    /// The committed modes that put the objects where the causes name them, so far as they need not come before the mode.
+    fn releases_at_fault(&self, causes: &[(Cause, u64)], stuck: &Mode, next: &[usize]) -> Vec<ModeId> {
+        let bodies = causes.iter().flat_map(|(cause, _)| match cause {
+            Cause::NoPath { blocking, .. } => blocking.as_slice(),
+            _ => &[],
+        });
+        let named = |body: &BodyRef, name: &String| matches!(body, BodyRef::Object(object) if object == name);
+        let objects: Vec<usize> = bodies
+            .filter_map(|body| self.problem.movable.iter().position(|object| named(body, &object.name)))
+            .collect();
+        let is_free = |mode: &Mode| {
+            let comes_first = |event: Event| {
+                let precedes = |later: Option<Event>| later.is_some_and(|l| self.skeleton.graph.precedes(event, l));
+                precedes(stuck.ends) || precedes(stuck.begins)
+            };
+            mode.id.robot != stuck.id.robot && mode.ends.is_some_and(|event| !comes_first(event))
+        };
+        let release_of = |object: &usize| {
+            let modes = self.skeleton.modes.iter().zip(next).flat_map(|(modes, next)| &modes[..*next]);
+            let puts = |mode: &&Mode| {
+                mode.is_holding() && mode.pair.map(|pair| self.problem.pair(pair).object.index()) == Some(*object)
+            };
+            let last = modes.filter(puts).max_by_key(|mode| mode.pair.map(|pair| self.problem.pair(pair).hop))?;
+            is_free(last).then_some(last.id)
+        };
+        objects.iter().filter_map(release_of).collect()
+    }
+
     /// The pair that a robot is at.
     fn pair_at(&self, robot: RobotId, next: &[usize]) -> Option<PairId> {
         let modes = &self.skeleton.modes[robot.index()];
@@ -302,10 +325,7 @@ impl Candidate<'_> {
     /// Modes that would be ready but for somebody whom they give way to.
     fn held_back(&self, next: &[usize], give_way: &GiveWay) -> Vec<(ModeId, RobotId)> {
         let ready = self.ready_modes(next, &GiveWay::default());
-        let for_another = |mode: &Mode| {
-            let before = give_way.ways_before(mode.id.robot, next).next()?;
-            Some((mode.id, before.robot))
-        };
+        let for_another = |mode: &Mode| Some((mode.id, give_way.before(mode.id, next)?.robot));
         ready.iter().filter_map(for_another).collect()
     }
 
@@ -323,37 +343,6 @@ impl Candidate<'_> {
                 .flat_map(|mode| modes[mode.robot.index()].iter().skip(mode.step as usize).take(2))
                 .map(|answer| answer.roadmap)
                 .collect(),
-        })
-    }
-}
-
-impl GiveWay {
-    /// Those in the way of a mode shall give way to it, or more than so far. Whether that is new.
-    fn learn(&mut self, mode: ModeId, by: &[RobotId]) -> bool {
-        let known = self.0.entry(mode).or_default();
-        let before = known.clone();
-        for robot in by {
-            known.entry(*robot).and_modify(|extent| *extent = Extent::Waits).or_insert(Extent::Parks);
-        }
-        *known != before
-    }
-
-    /// Whether others give way to a mode.
-    pub(crate) fn is_given(&self, mode: ModeId) -> bool {
-        self.0.contains_key(&mode)
-    }
-
-    /// Modes that a robot still has to give way to.
-    fn ways_before<'a>(&'a self, robot: RobotId, next: &'a [usize]) -> impl Iterator<Item = ModeId> + 'a {
-        let open = move |mode: &ModeId| next[mode.robot.index()] <= mode.step as usize;
-        self.0.iter().filter(move |(mode, by)| open(mode) && by.contains_key(&robot)).map(|(mode, _)| *mode)
-    }
-
-    /// Whether a mode has to wait for another that its robot gives way to.
-    fn holds_back(&self, mode: &Mode, next: &[usize]) -> bool {
-        self.ways_before(mode.id.robot, next).any(|before| {
-            let waits = self.0[&before].get(&mode.id.robot) == Some(&Extent::Waits);
-            mode.kind == ModeKind::Return || waits && mode.id.step > 0
         })
     }
 }

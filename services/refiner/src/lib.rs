@@ -11,6 +11,7 @@ mod choice;
 mod commit;
 mod compose;
 mod conflict;
+mod give_way;
 mod merged;
 mod more;
 mod orders;

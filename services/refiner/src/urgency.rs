@@ -11,8 +11,9 @@ use skeleton::{Event, Mode, ModeId};
 
 use crate::asking::misfit;
 use crate::candidate::{Candidate, Modes};
-use crate::commit::{GiveWay, Round};
+use crate::commit::Round;
 use crate::conflict::Halt;
+use crate::give_way::GiveWay;
 use crate::roadmaps::ModeAnswer;
 use crate::search::Search;
 

@@ -111,9 +111,10 @@ fn tell(job: &Job, outcome: &Outcome) {
 
 fn kind(job: &Job) -> &'static str {
     match &job.request {
-        Request::Placement(_) | Request::Hop(_) => "1 placement",
+        Request::Placement(_) | Request::Hop(_) | Request::Samples(_) => "1 placement",
         Request::Transition(_) => "2 alternatives",
         Request::Blockers(_) => "2 blockers",
+        Request::GraspBlockers(_) => "2 grasp blockers",
         Request::Piece(piece) if piece.spec == PieceSpec::Base => "3 base piece",
         Request::Piece(_) => "3 arm piece",
         Request::Mode(_) => "3 mode",

@@ -61,6 +61,8 @@ fn subject(problem: &Problem, job: &Job) -> String {
     match &job.request {
         Request::Placement(job) => format!("placements from candidate {}", job.first),
         Request::Hop(job) => format!("places for {}", problem.pair(job.pair).name),
+        Request::Samples(job) => format!("samples for {}", problem.pair(job.pair).name),
+        Request::GraspBlockers(job) => format!("samples in the way of {}", problem.pair(job.pair).name),
         Request::Transition(job) => format!("alternatives for {}", problem.pair(job.pair).name),
         Request::Blockers(job) => format!("objects in the way of {}", problem.robot(job.robot).name),
         Request::Piece(job) => format!("roadmap piece of {}", problem.robot(job.robot).name),

@@ -64,7 +64,7 @@ impl Tally {
             Ok(Answer::Placements(list)) => tally.answers += list.len() as u64,
             Ok(Answer::Hop { choices, .. }) => tally.answers += choices.len() as u64,
             Ok(Answer::Alternatives(list)) => tally.answers += list.len() as u64,
-            Ok(Answer::Blocked(_) | Answer::NoPassage(_)) => {}
+            Ok(Answer::Blocked(_) | Answer::Samples(_) | Answer::NoPassage(_)) => {}
             Ok(
                 Answer::Piece(_)
                 | Answer::Mode { .. }

@@ -52,6 +52,8 @@ impl ToyStages {
                 return Err(unfit(contract::Interrupted::Unfit("hops are placed all at once here".into())));
             }
             Request::Transition(transition) => Answer::Alternatives(vec![self.alternative(transition.pair)]),
+            Request::Samples(_) => Answer::Samples(Vec::new()),
+            Request::GraspBlockers(blockers) => Answer::Blocked(vec![false; blockers.standing.len()]),
             Request::Blockers(blockers) => Answer::Blocked(vec![false; blockers.standing.len()]),
             Request::Piece(_) => {
                 Answer::Piece(ProductRef { digest: job.id(&self.toy.statement).0, made_by: self.job_id(job) })

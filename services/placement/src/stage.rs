@@ -7,12 +7,13 @@ use std::sync::Mutex;
 use collision::GeometryError;
 use contract::{
     Answer, CauseTally, DiscoveredOrder, FailureReport, HopJob, Interrupted, Job, JobContext, MOST_PLACEMENT_SAMPLES,
-    Outcome, Placed, PlacementCandidate, PlacementJob, ProblemStatement, Request, Stage, StageKind,
+    Outcome, Placed, PlacementCandidate, PlacementJob, ProblemStatement, Request, SamplesJob, Stage, StageKind,
 };
 use model::PairId;
 use plan::Cause;
 use skeleton::Skeleton;
 
+use crate::bits;
 use crate::enumeration::{Enumeration, Solved};
 use crate::hop::Hop;
 use crate::network::Stop;
@@ -79,12 +80,55 @@ impl PlacementStage {
         match Hop::new(world, job)?.answer(samples, context) {
             Ok(outcome) => Ok(outcome),
             Err(Stop::Interrupted(interrupted)) => Err(interrupted),
-            Err(Stop::Budget) => {
-                let mut causes = CauseTally::default();
-                causes.count(Cause::Budget { stage: StageKind::Placement.name().to_owned() });
-                Ok(Outcome::soft_failure(causes, job.level, context.spent()))
-            }
+            Err(Stop::Budget) => Ok(out_of_budget(job.level, context)),
         }
+    }
+}
+
+impl PlacementStage {
+    /// The samples of one hop that touch nothing that is always there.
+    fn samples(&self, job: &SamplesJob, context: &mut JobContext<'_>) -> Result<Outcome, Interrupted> {
+        let world = match &self.world {
+            Ok(world) => world,
+            Err(report) => return Ok(Outcome { result: Err(report.clone()), work: context.spent() }),
+        };
+        let site = world.layout.sites.iter().position(|site| site.placed_by == Some(job.pair));
+        let site = site.ok_or_else(|| Interrupted::Unfit(format!("no hop of pair {}", job.pair.0)))?;
+        let count = samples_of(world, job.level, 1)?;
+        let mut drawn = self.drawn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        match samples_at(world, &mut drawn, job.level, count, context) {
+            Ok(samples) => {
+                let poses = samples.poses[site].iter().enumerate();
+                let free = poses.filter(|(value, _)| bits::contains(samples.free.row(site), *value));
+                let free = free.map(|(value, pose)| (value as u32, *pose)).collect();
+                Ok(Outcome::answer(Answer::Samples(free), context.spent()))
+            }
+            Err(Stop::Interrupted(interrupted)) => Err(interrupted),
+            Err(Stop::Budget) => Ok(out_of_budget(job.level, context)),
+        }
+    }
+}
+
+fn out_of_budget(level: u32, context: &JobContext<'_>) -> Outcome {
+    let mut causes = CauseTally::default();
+    causes.count(Cause::Budget { stage: StageKind::Placement.name().to_owned() });
+    Outcome::soft_failure(causes, level, context.spent())
+}
+
+/// The samples of a level, drawn if they are not known.
+fn samples_at<'a>(
+    world: &World,
+    drawn: &'a mut BTreeMap<u32, Samples>,
+    level: u32,
+    count: usize,
+    context: &mut JobContext<'_>,
+) -> Result<&'a mut Samples, Stop> {
+    match drawn.entry(level) {
+        Entry::Occupied(known) => {
+            known.get().pay_again(context)?;
+            Ok(known.into_mut())
+        }
+        Entry::Vacant(gap) => Ok(gap.insert(Samples::draw(world, count, context)?)),
     }
 }
 
@@ -102,6 +146,7 @@ impl Stage for PlacementStage {
         match &job.request {
             Request::Placement(job) => self.place(job, context),
             Request::Hop(job) => self.place_hop(job, context),
+            Request::Samples(job) => self.samples(job, context),
             _ => Err(Interrupted::Unfit("not a job of the placement stage".to_owned())),
         }
     }
@@ -129,7 +174,7 @@ enum End {
 impl Search<'_> {
     /// Fills `found`.
     fn run(&mut self, drawn: &mut BTreeMap<u32, Samples>, context: &mut JobContext<'_>) -> Result<End, Interrupted> {
-        let samples = match self.samples(drawn, context) {
+        let samples = match samples_at(self.world, drawn, self.job.level, self.count, context) {
             Ok(samples) => samples,
             Err(Stop::Budget) => return Ok(End::Budget(CauseTally::default())),
             Err(Stop::Interrupted(interrupted)) => return Err(interrupted),
@@ -152,20 +197,6 @@ impl Search<'_> {
             }
         }
         Ok(End::Enough)
-    }
-
-    fn samples<'b>(
-        &self,
-        drawn: &'b mut BTreeMap<u32, Samples>,
-        context: &mut JobContext<'_>,
-    ) -> Result<&'b mut Samples, Stop> {
-        match drawn.entry(self.job.level) {
-            Entry::Occupied(known) => {
-                known.get().pay_again(context)?;
-                Ok(known.into_mut())
-            }
-            Entry::Vacant(gap) => Ok(gap.insert(Samples::draw(self.world, self.count, context)?)),
-        }
     }
 
     fn outcome(self, end: End, work: u64) -> Outcome {

@@ -90,7 +90,11 @@ impl Search<'_> {
             Request::Piece(asked) => asked.level = raised(asked.level, doublings),
             Request::Mode(asked) => self.raise_mode(asked, doublings)?,
             Request::Compose(_) => {}
-            Request::Placement(_) | Request::Hop(_) | Request::Blockers(_) => return Ok(None),
+            Request::Placement(_)
+            | Request::Hop(_)
+            | Request::Samples(_)
+            | Request::Blockers(_)
+            | Request::GraspBlockers(_) => return Ok(None),
         }
         let units = job.budget.saturating_mul(1 << doublings.min(HIGHEST_LEVEL));
         more.budget = capped(&self.statement.options, &more.request, units);
@@ -171,6 +175,8 @@ fn is_whole_question(job: &Job) -> bool {
         },
         Request::Placement(_)
         | Request::Hop(_)
+        | Request::Samples(_)
+        | Request::GraspBlockers(_)
         | Request::Transition(_)
         | Request::Blockers(_)
         | Request::Piece(_)

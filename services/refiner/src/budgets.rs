@@ -19,9 +19,9 @@ impl<'a> Budgets<'a> {
     /// A job with the budget of its kind.
     pub(crate) fn job(self, request: Request) -> Job {
         let units: u64 = match &request {
-            Request::Placement(_) | Request::Hop(_) => 4_000_000,
+            Request::Placement(_) | Request::Hop(_) | Request::Samples(_) => 4_000_000,
             Request::Transition(_) => 200_000,
-            Request::Blockers(_) => 10_000,
+            Request::Blockers(_) | Request::GraspBlockers(_) => 10_000,
             Request::Piece(_) | Request::Mode(_) => 50_000,
             Request::Compose(job) => match job.composition {
                 Composition::Drrt { .. } => self.expansions,

@@ -1,37 +1,27 @@
 //! One placement candidate: alternatives for its pairs, roadmaps for its modes, orderings, composite motion.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use contract::{
-    Alternative, Answer, Assignment, Decision, DiscoveredOrder, Job, LedgerEntry, PlacementCandidate, ProductRef,
-    Request, StageKind, TransitionJob,
+    Alternative, Answer, Assignment, DiscoveredOrder, Job, PlacementCandidate, ProductRef, Request, StageKind,
+    TransitionJob,
 };
 use model::{GraspId, PairId, Pose, Problem, Standing};
 use plan::Cause;
-use skeleton::{Occupancy, Skeleton};
+use skeleton::{Mode, Occupancy, Skeleton};
 
 use crate::asking::misfit;
 use crate::budgets::Budgets;
-use crate::choice::PairChoice;
 use crate::conflict::{Choice, Conflict, Stuck};
-use crate::roadmaps::ModeAnswer;
+use crate::known::{Known, ModeAnswer};
+use crate::reaches::Blocked;
 use crate::search::Search;
 
 /// Alternatives asked for each pair.
 const ALTERNATIVES: u32 = 48;
 
-/// How often all alternatives of some pair may be given up. As pairs take turns, two that exclude one another would open
-/// one another's alternatives for ever.
-const OPENINGS: u32 = 32;
-
-/// Other ways to do a pair that are looked at before an ordering is added for it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Detour {
-    /// How many were looked at.
-    pub(crate) steps: u32,
-    /// The alternative from which they began.
-    pub(crate) from: usize,
-}
+/// Modes looked at for one candidate.
+const LOOKS: u32 = 4096;
 
 /// The choices of one placement candidate.
 #[derive(Clone)]
@@ -43,17 +33,36 @@ pub(crate) struct Candidate<'a> {
     pub(crate) skeleton: Skeleton,
     /// `poses[object][hop]`; while hops are placed one by one, only those of the first hops.
     pub(crate) poses: Vec<Vec<Pose>>,
-    pub(crate) choices: Vec<PairChoice>,
-    /// Discovered orderings: those of the placement, then those added since.
+    /// The number of the sample that each of them is; 0 at a start.
+    pub(crate) samples: Vec<Vec<u32>>,
+    /// Discovered orderings: those of the placement, then those that are tried.
     pub(crate) orders: Vec<DiscoveredOrder>,
+    /// How many of them are the placement's.
+    pub(crate) placement_orders: usize,
     /// Alternatives of each pair as the transition stage gave them.
     pub(crate) offered: Vec<Vec<Alternative>>,
-    /// How each pair's detours stand.
-    pub(crate) detours: Vec<Detour>,
-    /// Pairs of which every alternative was given up.
+    /// What is in the way of each of them.
+    pub(crate) blocked: Vec<Vec<Blocked>>,
+    /// The alternative chosen of each pair, by its place among those offered.
+    pub(crate) chosen: Vec<usize>,
+    /// The last failure of each pair's present alternative.
+    pub(crate) because: Vec<Option<Cause>>,
+    /// What is known of each mode of each robot.
+    pub(crate) known: Vec<Vec<Known>>,
+    /// Orderings that cannot all be, with what that rests on.
+    pub(crate) refuted: Vec<Conflict>,
+    /// Choices for which composite motion has failed, with the pairs at fault.
+    pub(crate) failed_together: BTreeMap<Vec<usize>, Vec<PairId>>,
+    /// How often such failures were laid to an alternative.
+    pub(crate) penalties: BTreeMap<(PairId, usize), u32>,
+    /// How often each pair was the one to bear a penalty.
+    pub(crate) turns: Vec<u32>,
+    /// How often choices were met that had failed together.
+    pub(crate) meetings: u32,
+    /// Pairs that had no alternative left at some time.
     pub(crate) used_up: BTreeSet<PairId>,
-    /// How often all alternatives of a pair were opened again.
-    openings: u32,
+    /// Modes that may still be looked at.
+    pub(crate) looks: u32,
     /// Failures whose causes are not known that are still allowed, among them all of composite motion.
     pub(crate) patience: u32,
 }
@@ -73,68 +82,72 @@ impl<'a> Candidate<'a> {
         placement: &PlacementCandidate,
     ) -> Self {
         let problem = search.problem();
-        let pose_after = |pair: PairId| {
-            let placed = placement.placements.iter().find(|placed| placed.pair == pair);
-            placed.map(|placed| placed.world_from_object)
-        };
-        let poses = (0..problem.movable.len())
-            .map(|m| {
-                let hops = skeleton.hops[m].iter().filter_map(|pair| pose_after(*pair));
-                std::iter::once(problem.movable[m].world_from_start).chain(hops).collect()
-            })
-            .collect();
+        let placed = |pair: &PairId| placement.placements.iter().find(|placed| placed.pair == *pair);
+        let (mut poses, mut samples) = (Vec::new(), Vec::new());
+        for (object, hops) in problem.movable.iter().zip(&skeleton.hops) {
+            let placed = || hops.iter().filter_map(placed);
+            let start = std::iter::once(object.world_from_start);
+            poses.push(start.chain(placed().map(|placed| placed.world_from_object)).collect());
+            samples.push(std::iter::once(0).chain(placed().map(|placed| placed.sample)).collect());
+        }
+        let pairs = problem.pairs.len();
+        let nothing = |modes: &Vec<Mode>| modes.iter().map(|_| Known::default()).collect();
         Self {
             problem,
             level,
             budgets,
+            known: skeleton.modes.iter().map(nothing).collect(),
             skeleton,
             poses,
-            choices: vec![PairChoice::default(); problem.pairs.len()],
+            samples,
             orders: placement.orders.clone(),
-            offered: vec![Vec::new(); problem.pairs.len()],
-            detours: vec![Detour::default(); problem.pairs.len()],
+            placement_orders: placement.orders.len(),
+            offered: vec![Vec::new(); pairs],
+            blocked: vec![Vec::new(); pairs],
+            chosen: vec![0; pairs],
+            because: vec![None; pairs],
+            refuted: Vec::new(),
+            failed_together: BTreeMap::new(),
+            penalties: BTreeMap::new(),
+            turns: vec![0; pairs],
+            meetings: 0,
             used_up: BTreeSet::new(),
-            openings: 0,
+            looks: LOOKS,
             patience: search.statement.options.composite_failures,
         }
     }
 
-    /// Completes the candidate under its present orderings, revising alternatives and adding orderings on the way.
+    /// Completes the candidate under its present orderings, choosing alternatives and adding orderings on the way.
     pub(crate) fn settle(&mut self, search: &mut Search<'_>) -> Result<Found, Stuck> {
-        self.drop_blocked(search, &self.every_pair())?;
         loop {
-            let modes = self.roadmaps(search)?;
-            let (stage, conflict) = match self.obstructed(&modes) {
-                Some(obstructed) if self.detour(search, &obstructed) => continue,
-                Some(obstructed) => match self.order(search, &obstructed) {
-                    Ok(found) => return Ok(found),
-                    Err(Stuck::Failed(conflict)) => (StageKind::Roadmap, conflict),
-                    Err(fault) => return Err(fault),
-                },
-                None => match self.compose(search, &modes) {
-                    Ok(found) => return Ok(found),
-                    Err(Stuck::Failed(conflict)) => {
-                        (StageKind::Composite, self.less_patient(StageKind::Composite, conflict)?)
-                    }
-                    Err(fault) => return Err(fault),
-                },
-            };
-            self.fall_back(search, stage, conflict)?;
+            let modes = self.ways(search)?;
+            if let Some(obstructed) = self.obstructed(&modes) {
+                match self.order(search, &obstructed)? {
+                    Some(found) => return Ok(found),
+                    None => continue,
+                }
+            }
+            match self.compose(search, &modes) {
+                Err(Stuck::Failed(conflict)) => {
+                    let conflict = self.less_patient(StageKind::Composite, conflict)?;
+                    self.fall_back(search, StageKind::Composite, conflict)?;
+                }
+                ended => return ended,
+            }
         }
     }
 
-    /// Counts a failure whose causes are not known; when there were too many, the whole placement is given up.
-    pub(crate) fn less_patient(&mut self, stage: StageKind, conflict: Conflict) -> Result<Conflict, Stuck> {
-        self.patience = self.patience.saturating_sub(1);
-        if self.patience > 0 { Ok(conflict) } else { Err(self.given_up(stage, conflict)) }
+    /// There are more alternatives than before: what could not be may be now.
+    pub(crate) fn begin_anew(&mut self) {
+        self.used_up = BTreeSet::new();
+        self.refuted = Vec::new();
+        self.known.iter_mut().flatten().for_each(|known| known.assumed = Vec::new());
     }
 
-    /// The placement is given up, although not everything was tried. This proves nothing about fewer choices than all.
-    fn given_up(&mut self, stage: StageKind, mut conflict: Conflict) -> Stuck {
-        self.patience = 0;
-        conflict.choices = self.skeleton.occupancies().map(Choice::Pose).collect();
-        conflict.causes.count(Cause::Budget { stage: stage.name().to_owned() });
-        Stuck::Failed(conflict)
+    /// How many of the orderings that are only tried a conflict rests on.
+    pub(crate) fn tried_orders(&self, conflict: &Conflict) -> usize {
+        let tried = &self.orders[self.placement_orders..];
+        tried.iter().filter(|order| conflict.orders.contains(&(order.before, order.after))).count()
     }
 
     /// Asks for the alternatives of a pair.
@@ -163,13 +176,11 @@ impl<'a> Candidate<'a> {
             match outcome.result {
                 Ok(Answer::Alternatives(alternatives)) => {
                     self.offered[pair.index()] = alternatives;
-                    self.reopen(*pair);
                 }
                 Ok(_) => return Err(misfit(StageKind::Transition).into()),
                 Err(report) => {
-                    let at_fault = self.ends_at_fault(*pair, &report.causes);
-                    let conflict = Conflict::of(at_fault, &report.causes, Some(search.id(job)));
-                    conflicts.push(Conflict { under_any_orderings: true, ..conflict });
+                    let poses = report.rests_on.unwrap_or_else(|| self.ends(*pair).to_vec());
+                    conflicts.push(Conflict::of(poses, &report.causes, Some(search.id(job))));
                 }
             }
         }
@@ -177,72 +188,6 @@ impl<'a> Candidate<'a> {
         let first = conflicts.next();
         search.aside.extend(conflicts);
         first.map_or(Ok(()), |conflict| Err(Stuck::Failed(conflict)))
-    }
-
-    /// The poses that a failure of the transition stage depends on: one end if only that is out of reach, else both.
-    fn ends_at_fault(&self, pair: PairId, causes: &[(Cause, u64)]) -> Vec<Choice> {
-        let [from, to] = [self.skeleton.picked(self.problem, pair), self.skeleton.placed(self.problem, pair)];
-        let pair = self.problem.pair(pair);
-        let unreachable = |region: model::RegionId| {
-            let name = &self.problem.regions[region.index()].name;
-            causes.iter().any(|(cause, _)| matches!(cause, Cause::Unreachable { region, .. } if region == name))
-        };
-        match (pair.from != pair.to, unreachable(pair.from), unreachable(pair.to)) {
-            (true, true, false) => vec![Choice::Pose(from)],
-            (true, false, true) => vec![Choice::Pose(to)],
-            _ => vec![Choice::Pose(from), Choice::Pose(to)],
-        }
-    }
-
-    /// Revises the last pair that a conflict depends on; pairs that leave no alternative hand their conflicts on
-    /// (conflict-directed backjumping, Prosser, doi:10.1111/j.1467-8640.1993.tb00310.x).
-    pub(crate) fn revise(&mut self, search: &mut Search<'_>, mut conflict: Conflict) -> Result<(), Stuck> {
-        while let Some(pair) = self.pair_to_revise(&conflict) {
-            if self.leaves_detour(search, pair) {
-                return Ok(());
-            }
-            conflict.choices.remove(&Choice::Alternative(pair));
-            let because = conflict.first_cause();
-            if let Some(given_up) = self.choices[pair.index()].chosen() {
-                let decision = Decision::Alternative { pair, index: given_up.index };
-                search.backtrack(StageKind::Transition, decision, because);
-            }
-            match self.choices[pair.index()].give_up(conflict) {
-                Ok(next) => {
-                    let index = next.index;
-                    search.commit(LedgerEntry::Decided(Decision::Alternative { pair, index }));
-                    return Ok(());
-                }
-                Err(all) => {
-                    conflict = all;
-                    self.used_up.insert(pair);
-                    self.openings += 1;
-                    if self.openings > OPENINGS {
-                        return Err(self.given_up(StageKind::Transition, conflict));
-                    }
-                    conflict.choices.extend(self.ends(pair));
-                    self.reopen(pair);
-                }
-            }
-        }
-        Err(Stuck::Failed(conflict))
-    }
-
-    /// The least often revised pair of the conflict, of several the last: pairs that block one another take turns.
-    fn pair_to_revise(&self, conflict: &Conflict) -> Option<PairId> {
-        let last = conflict.last_pair()?;
-        let pairs = conflict.choices.iter().filter_map(|choice| match choice {
-            Choice::Alternative(pair) => Some(*pair),
-            Choice::Pose(_) => None,
-        });
-        let open = pairs.filter(|pair| self.choices[pair.index()].left().len() > 1);
-        let turn = open.min_by_key(|pair| (self.choices[pair.index()].revisions, std::cmp::Reverse(*pair)));
-        Some(turn.unwrap_or(last))
-    }
-
-    pub(crate) fn reopen(&mut self, pair: PairId) {
-        let offered = self.offered[pair.index()].clone();
-        self.choices[pair.index()].reopen(offered);
     }
 
     pub(crate) fn ends(&self, pair: PairId) -> [Choice; 2] {
@@ -258,20 +203,26 @@ impl<'a> Candidate<'a> {
         self.poses[occupancy.object.index()][occupancy.hop as usize]
     }
 
+    /// The number of the sample that a pose is.
+    pub(crate) fn sample(&self, occupancy: Occupancy) -> u32 {
+        self.samples[occupancy.object.index()][occupancy.hop as usize]
+    }
+
     pub(crate) fn standing(&self, occupancy: Occupancy) -> Standing {
         Standing { object: occupancy.object, world_from_object: self.pose(occupancy) }
     }
 
     /// The chosen alternative of a pair.
     pub(crate) fn chosen(&self, pair: PairId) -> Result<&Alternative, Stuck> {
-        self.choices[pair.index()].chosen().ok_or_else(|| Stuck::Failed(Conflict::default()))
+        let chosen = self.offered[pair.index()].get(self.chosen[pair.index()]);
+        chosen.ok_or_else(|| Stuck::Failed(Conflict::default()))
     }
 
     pub(crate) fn assignment(&self) -> Assignment {
-        let grasp = |choice: &PairChoice| choice.chosen().map_or(GraspId(0), |chosen| chosen.grasp);
+        let grasp = |pair: PairId| self.chosen(pair).map_or(GraspId(0), |chosen| chosen.grasp);
         Assignment {
             poses: self.poses.clone(),
-            grasps: self.choices.iter().map(grasp).collect(),
+            grasps: self.every_pair().into_iter().map(grasp).collect(),
             orders: self.orders.clone(),
         }
     }

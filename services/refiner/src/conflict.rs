@@ -1,55 +1,50 @@
-//! What a failure depends on: the choices of which at least one must change.
+//! What a failure rests on: the choices and discovered orderings of which at least one must change.
 
 use std::collections::BTreeSet;
 
 use contract::{AskFault, CauseTally, FailureReport, JobId, WorkKind};
 use model::PairId;
 use plan::Cause;
-use skeleton::Occupancy;
+use skeleton::Event;
 
-/// A choice that a failure depends on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Choice {
-    /// Where an object stands.
-    Pose(Occupancy),
-    /// How a pair is done.
-    Alternative(PairId),
-}
+pub(crate) use contract::Choice;
 
-/// A failure with its causes and the choices it depends on (Lagriffoul and Andres, doi:10.1177/0278364915625498, call
-/// them culprits).
+/// A discovered ordering: what happens first, what later.
+pub(crate) type Order = (Event, Event);
+
+/// A failure with its causes and what it rests on (Lagriffoul and Andres, doi:10.1177/0278364915625498, call them
+/// culprits).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conflict {
     pub(crate) choices: BTreeSet<Choice>,
+    /// Discovered orderings without which it might not be.
+    pub(crate) orders: BTreeSet<Order>,
     pub(crate) causes: CauseTally,
     /// The job that showed it last.
     pub(crate) proof: Option<JobId>,
-    /// Whether it holds under any orderings: who looked at fixed objects only knows nothing of them.
-    pub(crate) under_any_orderings: bool,
 }
 
 impl Conflict {
     pub(crate) fn of(choices: impl IntoIterator<Item = Choice>, causes: &[(Cause, u64)], proof: Option<JobId>) -> Self {
         let mut tally = CauseTally::default();
         tally.count_all(causes);
-        Self { choices: choices.into_iter().collect(), causes: tally, proof, under_any_orderings: false }
+        Self { choices: choices.into_iter().collect(), orders: BTreeSet::new(), causes: tally, proof }
     }
 
-    /// Takes over the choices and causes of another conflict.
+    /// Takes over what another conflict rests on, and its causes.
     pub(crate) fn merge(&mut self, other: Conflict) {
         self.choices.extend(other.choices);
+        self.orders.extend(other.orders);
         self.causes.count_all(&other.causes.ranked());
         self.proof = other.proof.or(self.proof);
-        self.under_any_orderings &= other.under_any_orderings;
     }
 
-    /// The pair whose alternative it depends on and that comes last in the order of the search.
-    pub(crate) fn last_pair(&self) -> Option<PairId> {
-        let pairs = self.choices.iter().filter_map(|choice| match choice {
+    /// The pairs whose alternatives it rests on.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = PairId> + '_ {
+        self.choices.iter().filter_map(|choice| match choice {
             Choice::Alternative(pair) => Some(*pair),
             Choice::Pose(_) => None,
-        });
-        pairs.max()
+        })
     }
 
     pub(crate) fn first_cause(&self) -> Option<Cause> {

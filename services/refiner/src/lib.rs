@@ -3,24 +3,30 @@
 //! Ordinary sequential code. It sees nothing but what [`contract::AskStages::ask`] returns, in program order, so its
 //! ledger cannot depend on timing, on the number of workers or on crashes. It names no stage crate and no bus.
 
-mod alternatives;
+mod around;
 mod asking;
+mod blame;
 mod budgets;
 mod candidate;
-mod choice;
+mod chain;
 mod commit;
 mod compose;
 mod conflict;
+mod dead_end;
+mod generalise;
 mod give_way;
+mod known;
 mod merged;
 mod more;
 mod orders;
 mod passages;
+mod reaches;
 mod repair;
 mod roadmaps;
 mod search;
 mod synchronous;
 mod urgency;
+mod ways;
 
 use contract::{AskFault, AskStages, Ledger, LedgerEntry, ProblemStatement, ProductRef};
 use plan::{Cause, Certificate, ResultKind, StageCount};

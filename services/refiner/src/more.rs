@@ -1,14 +1,11 @@
-//! What a candidate does when a stage fails, by the stage's policy.
-
-use std::collections::BTreeSet;
+//! What a candidate does when the transition stage has no alternatives left, by the stage's policy.
 
 use contract::{Alternative, Answer, LedgerEntry, StageKind};
 use model::{FailurePolicy, PairId};
-use skeleton::Occupancy;
 
 use crate::asking::misfit;
-use crate::candidate::{Candidate, Detour, Found};
-use crate::conflict::{Choice, Conflict, Halt, Stuck};
+use crate::candidate::{Candidate, Found};
+use crate::conflict::{Halt, Stuck};
 use crate::search::Search;
 
 impl Candidate<'_> {
@@ -17,6 +14,7 @@ impl Candidate<'_> {
         self.ask_alternatives(search, &self.every_pair())?;
         let mut more = search.policy(StageKind::Transition).doublings();
         loop {
+            self.ask_blockers(search, &self.every_pair())?;
             let conflict = match self.settle(search) {
                 Err(Stuck::Failed(conflict)) => conflict,
                 ended => return ended,
@@ -37,7 +35,7 @@ impl Candidate<'_> {
         }
     }
 
-    /// Asks for more alternatives of the pairs that have none left; whether there are any. Then all pairs begin anew.
+    /// Asks for more alternatives of the pairs that have none left; whether there are any.
     fn more_alternatives(&mut self, search: &mut Search<'_>, doublings: u32) -> Result<bool, Stuck> {
         search.decide_more(StageKind::Transition, doublings);
         let pairs: Vec<PairId> = self.used_up.iter().copied().collect();
@@ -60,34 +58,9 @@ impl Candidate<'_> {
             }
         }
         if found {
-            self.used_up = BTreeSet::new();
-            self.detours = vec![Detour::default(); self.problem.pairs.len()];
-            (0..self.problem.pairs.len()).for_each(|pair| self.reopen(PairId::at(pair)));
+            self.begin_anew();
         }
         Ok(found)
-    }
-
-    /// A later stage has failed: the transition stage chooses anew, told what the failure depends on or not.
-    pub(crate) fn fall_back(
-        &mut self,
-        search: &mut Search<'_>,
-        stage: StageKind,
-        mut conflict: Conflict,
-    ) -> Result<(), Stuck> {
-        if !search.policy(stage).tells_causes() {
-            conflict.choices = self.all_choices();
-            // Composite motion has counted its failure.
-            if stage != StageKind::Composite {
-                conflict = self.less_patient(stage, conflict)?;
-            }
-        }
-        self.revise(search, conflict)
-    }
-
-    fn all_choices(&self) -> BTreeSet<Choice> {
-        let alternatives = (0..self.problem.pairs.len()).map(|pair| Choice::Alternative(PairId::at(pair)));
-        let occupancies: Vec<Occupancy> = self.skeleton.occupancies().collect();
-        alternatives.chain(occupancies.into_iter().map(Choice::Pose)).collect()
     }
 }
 

@@ -1,16 +1,14 @@
 //! Orderings that a mode's roadmap forces: a pose that is in every way must come later or be gone before.
 
 use contract::{Decision, DiscoveredOrder, LedgerEntry, StageKind};
-use model::{PairId, Point};
+use model::Point;
 use plan::{BodyRef, Cause};
-use skeleton::{ArcOrigin, Event, Interval, Mode, ModeKind, Occupancy, Presence};
+use skeleton::{ArcOrigin, Event, Mode, ModeKind, Occupancy, Presence};
 
 use crate::candidate::{Candidate, Found, Modes};
-use crate::conflict::{Choice, Conflict, Stuck};
+use crate::conflict::{Choice, Conflict, Order, Stuck};
+use crate::known::Assumed;
 use crate::search::Search;
-
-/// Other ways to do a pair that are looked at before an ordering is added.
-const DETOURS: u32 = 12;
 
 /// A possible pose that is in every way of a mode.
 pub(crate) struct Obstructed {
@@ -21,99 +19,94 @@ pub(crate) struct Obstructed {
 impl Candidate<'_> {
     /// The first mode that some possible pose obstructs wherever the robot goes.
     pub(crate) fn obstructed(&self, modes: &Modes) -> Option<Obstructed> {
-        let answers = modes.iter().flatten().zip(self.skeleton.modes.iter().flatten());
-        answers
-            .filter_map(|(answer, mode)| Some(Obstructed { mode: *mode, occupancy: *answer.in_the_way.first()? }))
-            .find(|obstructed| !self.branches(obstructed).is_empty())
+        let mut answers = modes.iter().flatten().zip(self.skeleton.modes.iter().flatten());
+        answers.find_map(|(answer, mode)| {
+            let occupancy = self.first_to_order(mode, &answer.in_the_way)?;
+            Some(Obstructed { mode: *mode, occupancy })
+        })
     }
 
-    /// Least commitment: a few other ways to do the pair are looked at before an ordering is added. Whether the pair is now
-    /// done in another way.
-    pub(crate) fn detour(&mut self, search: &mut Search<'_>, obstructed: &Obstructed) -> bool {
-        let Some(pair) = obstructed.mode.pair else { return false };
-        let detour = &mut self.detours[pair.index()];
-        if detour.steps == 0 {
-            detour.from = self.choices[pair.index()].position();
-        }
-        let goes_on = detour.steps < DETOURS;
-        if goes_on {
-            self.step_aside(search, pair);
-        }
-        goes_on
+    /// The first of some poses that an ordering has to keep away from a mode, and can for all that is known of orderings.
+    pub(crate) fn first_to_order(&self, mode: &Mode, in_the_way: &[Occupancy]) -> Option<Occupancy> {
+        let allowed = |(before, after): &Order| before != after && !self.skeleton.graph.precedes(*after, *before);
+        let needs_order = |pose: &&Occupancy| self.keeping_away(mode, **pose).iter().any(allowed);
+        in_the_way.iter().find(needs_order).copied()
     }
 
-    /// A failure on a detour costs the detour, not the alternative from which it began. Whether the pair was on one.
-    pub(crate) fn leaves_detour(&mut self, search: &mut Search<'_>, pair: PairId) -> bool {
-        let on_one = (1..DETOURS).contains(&self.detours[pair.index()].steps);
-        if on_one {
-            self.step_aside(search, pair);
-        }
-        on_one
-    }
-
-    /// The next alternative of a detour; after the last one that from which it began.
-    fn step_aside(&mut self, search: &mut Search<'_>, pair: PairId) {
-        let (choice, detour) = (&mut self.choices[pair.index()], &mut self.detours[pair.index()]);
-        if detour.steps + 1 < DETOURS && choice.step() {
-            detour.steps += 1;
-        } else {
-            detour.steps = DETOURS;
-            choice.take_back(detour.from);
-        }
-        if let Some(index) = choice.chosen().map(|chosen| chosen.index) {
-            search.commit(LedgerEntry::Decided(Decision::Alternative { pair, index }));
-        }
-    }
-
-    /// Tries both orderings of an obstruction, each as a branch that is taken back if nothing comes of it.
-    pub(crate) fn order(&mut self, search: &mut Search<'_>, obstructed: &Obstructed) -> Result<Found, Stuck> {
-        let mut conflict = Conflict::of(self.depends_on(obstructed), &[], None);
-        for order in self.branches(obstructed) {
-            let (kept, checkpoint) = (self.choices.clone(), self.skeleton.graph.checkpoint());
-            if self.skeleton.graph.add(order.before, order.after, ArcOrigin::Discovered).is_err() {
+    /// Tries the orderings that end an obstruction, each as a branch that is taken back if nothing comes of it. Without a
+    /// plan the pose is to be reckoned with from now on.
+    pub(crate) fn order(&mut self, search: &mut Search<'_>, obstructed: &Obstructed) -> Result<Option<Found>, Stuck> {
+        let Obstructed { mode, occupancy } = obstructed;
+        let mut why = Conflict::of([Choice::Pose(*occupancy)], &[(self.because(obstructed), 1)], None);
+        for (before, after) in self.keeping_away(mode, *occupancy) {
+            if before == after || self.skeleton.graph.precedes(after, before) {
+                why.orders.extend(self.skeleton.graph.discovered_between(after, before));
                 continue;
             }
-            self.orders.push(order.clone());
-            search.commit(LedgerEntry::Decided(Decision::Order(order.clone())));
-            match self.settle(search) {
-                Err(Stuck::Failed(failed)) => {
-                    search.backtrack(StageKind::Roadmap, Decision::Order(order), failed.first_cause());
-                    conflict.merge(failed);
-                }
-                ended => return ended,
-            }
-            self.orders.pop();
-            self.skeleton.graph.undo(checkpoint);
-            self.choices = kept;
+            let refuted = self.refuted.iter().find(|conflict| self.is_refuted(conflict, (before, after))).cloned();
+            let mut failed = match refuted {
+                Some(failed) => failed,
+                None => match self.branch(search, obstructed, (before, after))? {
+                    Ok(found) => return Ok(Some(found)),
+                    Err(failed) => failed,
+                },
+            };
+            failed.orders.remove(&(before, after));
+            why.merge(failed);
         }
-        Err(Stuck::Failed(conflict))
+        let Conflict { choices, orders, causes, .. } = why;
+        self.known_mut(mode).assumed.push(Assumed { pose: *occupancy, orders, choices, causes });
+        self.close_if_blocked(search, mode, *occupancy)?;
+        Ok(None)
     }
 
-    fn depends_on(&self, obstructed: &Obstructed) -> Vec<Choice> {
-        let pairs = [obstructed.mode.begins.map(|event| event.pair), obstructed.mode.pair];
-        let mut choices: Vec<Choice> = pairs.into_iter().flatten().map(Choice::Alternative).collect();
-        choices.push(Choice::Pose(obstructed.occupancy));
-        choices
+    /// Whether a conflict shows that an ordering cannot be added to the present ones.
+    fn is_refuted(&self, conflict: &Conflict, order: Order) -> bool {
+        let mut others = conflict.orders.clone();
+        others.remove(&order) && self.hold(&others)
     }
 
-    /// The orderings that end the obstruction and contradict none: the pose comes after the mode, or is gone before.
-    fn branches(&self, obstructed: &Obstructed) -> Vec<DiscoveredOrder> {
-        let Obstructed { mode, occupancy } = obstructed;
-        let Interval { from, to } = self.skeleton.interval_of(*occupancy);
+    /// Completes the candidate with one more ordering. A failure that does not rest on it is one without it, too.
+    fn branch(
+        &mut self,
+        search: &mut Search<'_>,
+        obstructed: &Obstructed,
+        (before, after): Order,
+    ) -> Result<Result<Found, Conflict>, Stuck> {
+        let checkpoint = self.skeleton.graph.checkpoint();
+        let order = DiscoveredOrder { before, after, cause: self.because(obstructed) };
+        if self.skeleton.graph.add(before, after, ArcOrigin::Discovered).is_err() {
+            return Ok(Err(Conflict::default()));
+        }
+        self.orders.push(order.clone());
+        search.commit(LedgerEntry::Decided(Decision::Order(order.clone())));
+        let failed = match self.settle(search) {
+            Err(Stuck::Failed(failed)) => failed,
+            ended => return ended.map(Ok),
+        };
+        search.backtrack(StageKind::Roadmap, Decision::Order(order), failed.first_cause());
+        self.orders.pop();
+        self.skeleton.graph.undo(checkpoint);
+        if !failed.orders.contains(&(before, after)) {
+            return Err(Stuck::Failed(failed));
+        }
+        self.refuted.push(failed.clone());
+        Ok(Err(failed))
+    }
+
+    /// The orderings that would keep a pose away from a mode: it comes after the mode, or is gone before. None where it is
+    /// away by the mode's event anyway.
+    fn keeping_away(&self, mode: &Mode, occupancy: Occupancy) -> Vec<Order> {
+        let present = self.skeleton.interval_of(occupancy);
         // A pose that is gone before the mode's event can be waited for.
         let is_gone = |to: Event| mode.ends.is_none_or(|ends| self.skeleton.graph.precedes_or_is(to, ends));
-        let never = self.skeleton.graph.presence(Interval { from, to }, mode.interval()) == Presence::Never;
-        if never || to.is_some_and(is_gone) {
+        let never = self.skeleton.graph.presence(present, mode.interval()) == Presence::Never;
+        if never || present.to.is_some_and(is_gone) {
             return Vec::new();
         }
-        let comes_later = from.zip(leaves(mode)).map(|(comes, left)| (left, comes));
-        let gone_before = to.zip(arrives(mode));
-        [comes_later, gone_before]
-            .into_iter()
-            .flatten()
-            .filter(|(before, after)| before != after && !self.skeleton.graph.precedes(*after, *before))
-            .map(|(before, after)| DiscoveredOrder { before, after, cause: self.because(obstructed) })
-            .collect()
+        let comes_later = present.from.zip(leaves(mode)).map(|(comes, left)| (left, comes));
+        let gone_before = present.to.zip(arrives(mode));
+        comes_later.into_iter().chain(gone_before).collect()
     }
 
     fn because(&self, obstructed: &Obstructed) -> Cause {

@@ -1,25 +1,21 @@
 //! Roadmaps for the present alternatives.
 
+use std::collections::BTreeSet;
+
 use contract::{
-    Alternative, Answer, Job, ModeJob, Obstruction, PieceJob, PieceSpec, ProductRef, Reach, Request, StageKind,
+    Alternative, Answer, CauseTally, FailureReport, Job, JobId, ModeJob, Obstruction, PieceJob, PieceSpec, ProductRef,
+    Reach, Request, StageKind,
 };
 use model::{Configuration, EndPolicy, Holding, PairId, RobotId};
-use plan::{BodyRef, Cause};
-use skeleton::{Mode, ModeKind, Occupancy, Presence};
+use skeleton::{Mode, ModeKind, Occupancy};
 
+use crate::around::Around;
 use crate::asking::misfit;
-use crate::candidate::{Candidate, Modes};
+use crate::candidate::Candidate;
 use crate::conflict::{Choice, Conflict, Stuck};
+use crate::known::{ModeAnswer, NoWay};
 use crate::search::Search;
-
-/// Roadmap of a mode.
-#[derive(Clone, Debug)]
-pub(crate) struct ModeAnswer {
-    pub(crate) roadmap: ProductRef,
-    pub(crate) shortest_s: f64,
-    /// Possible poses that are in every way.
-    pub(crate) in_the_way: Vec<Occupancy>,
-}
+use crate::ways::Scene;
 
 /// An end of a mode: its configuration, and the arm piece that leads there unless the arm is folded.
 struct ModeEnd {
@@ -47,35 +43,15 @@ impl ModePieces {
 }
 
 impl Candidate<'_> {
-    /// Roadmaps of all modes; alternatives whose roadmaps do not connect are given up on the way.
-    pub(crate) fn roadmaps(&mut self, search: &mut Search<'_>) -> Result<Modes, Stuck> {
-        let modes: Vec<Mode> = self.skeleton.modes.iter().flatten().copied().collect();
-        loop {
-            match self.try_roadmaps(search, &modes)? {
-                Ok(answers) => return Ok(self.by_robot(&modes, answers)),
-                Err(conflict) => self.fall_back(search, StageKind::Roadmap, conflict)?,
-            }
-        }
-    }
-
-    fn by_robot(&self, modes: &[Mode], answers: Vec<ModeAnswer>) -> Modes {
-        let mut by_robot: Modes = vec![Vec::new(); self.problem.robots.len()];
-        modes.iter().zip(answers).for_each(|(mode, answer)| by_robot[mode.id.robot.index()].push(answer));
-        by_robot
-    }
-
-    /// Asks for all pieces at once, then for all mode roadmaps at once. Of several conflicts that of the first mode counts.
-    pub(crate) fn try_roadmaps(
-        &self,
-        search: &mut Search<'_>,
-        modes: &[Mode],
-    ) -> Result<Result<Vec<ModeAnswer>, Conflict>, Stuck> {
+    /// Looks at modes as the alternatives at their ends are chosen: asks for all pieces at once, then for all roadmaps at
+    /// once, and notes what is found.
+    pub(crate) fn look(&mut self, search: &mut Search<'_>, scene: &Scene, modes: &[Mode]) -> Result<(), Stuck> {
         let pieces = modes.iter().map(|mode| self.pieces(mode)).collect::<Result<Vec<_>, _>>()?;
         let wanted: Vec<Job> = pieces.iter().flat_map(ModePieces::jobs).cloned().collect();
         let mut outcomes = search.ask(&wanted)?.into_iter();
-        let mut jobs = Vec::new();
+        let (mut jobs, mut failures) = (Vec::new(), Vec::new());
         for (mode, pieces) in modes.iter().zip(&pieces) {
-            let mut products = [None; 3];
+            let (mut products, mut is_whole) = ([None; 3], true);
             for (slot, piece) in products.iter_mut().zip(pieces.slots()) {
                 let Some((piece, outcome)) = piece.as_ref().and_then(|piece| Some((piece, outcomes.next()?))) else {
                     continue;
@@ -83,32 +59,76 @@ impl Candidate<'_> {
                 match outcome.result {
                     Ok(Answer::Piece(product)) => *slot = Some(product),
                     Ok(_) => return Err(misfit(StageKind::Roadmap).into()),
-                    Err(report) => {
-                        let pair = Choice::Alternative(self.pair_of_piece(mode, piece));
-                        return Ok(Err(Conflict::of([pair], &report.causes, Some(search.id(piece)))));
+                    Err(mut report) => {
+                        is_whole = false;
+                        report.rests_on = Some(vec![Choice::Alternative(self.pair_of_piece(mode, piece))]);
+                        failures.push((*mode, search.id(piece), report));
                     }
                 }
             }
-            jobs.push(self.mode_job(mode, pieces, products));
-        }
-        let mut answers = Vec::new();
-        for ((mode, job), outcome) in modes.iter().zip(&jobs).zip(search.ask(&jobs)?) {
-            match outcome.result {
-                Ok(Answer::Mode { roadmap, shortest_s, in_the_way }) => {
-                    let in_the_way = self.possible_poses(mode, &in_the_way);
-                    answers.push(ModeAnswer { roadmap, shortest_s, in_the_way });
-                }
-                Ok(_) => return Err(misfit(StageKind::Roadmap).into()),
-                Err(report) => {
-                    let choices = self.without_way(mode, &report.causes);
-                    return Ok(Err(Conflict::of(choices, &report.causes, Some(search.id(job)))));
-                }
+            if is_whole {
+                jobs.push((*mode, self.mode_job(scene.about(mode), mode, pieces, products)));
             }
         }
-        Ok(Ok(answers))
+        let asked: Vec<Job> = jobs.iter().map(|(_, job)| job.clone()).collect();
+        for ((mode, job), outcome) in jobs.into_iter().zip(search.ask(&asked)?) {
+            match outcome.result {
+                Ok(Answer::Mode { roadmap, shortest_s, in_the_way }) => {
+                    let around = scene.about(&mode).clone();
+                    let in_the_way = in_the_way.iter().filter_map(|i| around.possible.iter().nth(*i as usize)).copied();
+                    let answer = ModeAnswer { roadmap, shortest_s, in_the_way: in_the_way.collect() };
+                    let ends = self.present_ends(&mode);
+                    self.known_mut(&mode).add_way(ends, around, answer);
+                }
+                Ok(_) => return Err(misfit(StageKind::Roadmap).into()),
+                Err(report) => failures.push((mode, search.id(&job), report)),
+            }
+        }
+        self.note_failures(search, scene, failures)
     }
 
-    fn mode_job(&self, mode: &Mode, pieces: &ModePieces, products: [Option<ProductRef>; 3]) -> Job {
+    /// Notes modes without a way; where causes are told to nobody, the first of them fails all that is chosen.
+    fn note_failures(
+        &mut self,
+        search: &mut Search<'_>,
+        scene: &Scene,
+        failures: Vec<(Mode, JobId, FailureReport)>,
+    ) -> Result<(), Stuck> {
+        let tells_causes = search.policy(StageKind::Roadmap).tells_causes();
+        for (mode, proof, report) in failures {
+            if !tells_causes {
+                let conflict = Conflict::of([], &report.causes, Some(proof));
+                return self.fall_back(search, StageKind::Roadmap, conflict);
+            }
+            let no_way = self.no_way(&mode, scene.about(&mode), proof, &report);
+            for pair in self
+                .pairs_at_ends(&mode)
+                .into_iter()
+                .zip(no_way.ends)
+                .filter_map(|(pair, end)| pair.filter(|_| end.is_some()))
+            {
+                self.because[pair.index()] = report.causes.first().map(|(cause, _)| cause.clone());
+            }
+            self.known_mut(&mode).no_ways.push(no_way);
+        }
+        Ok(())
+    }
+
+    fn no_way(&self, mode: &Mode, around: &Around, proof: JobId, report: &FailureReport) -> NoWay {
+        let mut ends = self.present_ends(mode);
+        let mut certain = around.certain.clone();
+        if let Some(rests_on) = &report.rests_on {
+            for (end, pair) in ends.iter_mut().zip(self.pairs_at_ends(mode)) {
+                end.take_if(|_| pair.is_none_or(|pair| !rests_on.contains(&Choice::Alternative(pair))));
+            }
+            certain.retain(|pose| rests_on.contains(&Choice::Pose(*pose)));
+        }
+        let mut causes = CauseTally::default();
+        causes.count_all(&report.causes);
+        NoWay { ends, certain, choices: BTreeSet::new(), orders: BTreeSet::new(), causes, proof: Some(proof) }
+    }
+
+    fn mode_job(&self, around: &Around, mode: &Mode, pieces: &ModePieces, products: [Option<ProductRef>; 3]) -> Job {
         let [base, start_arm, goal_arm] = products;
         self.budgets.job(Request::Mode(ModeJob {
             mode: mode.id,
@@ -118,49 +138,14 @@ impl Candidate<'_> {
             base,
             start_arm,
             goal_arm,
-            certain: self.obstructions(mode, Presence::Certain),
-            possible: self.obstructions(mode, Presence::Possible),
+            certain: self.obstructions(&around.certain),
+            possible: self.obstructions(&around.possible),
             level: self.level,
         }))
     }
 
-    pub(crate) fn obstructions(&self, mode: &Mode, wanted: Presence) -> Vec<Obstruction> {
-        self.skeleton
-            .occupancies()
-            .filter(|occupancy| {
-                let interval = self.skeleton.interval_of(*occupancy);
-                self.is_placed(*occupancy) && self.skeleton.graph.presence(interval, mode.interval()) == wanted
-            })
-            .map(|occupancy| Obstruction { occupancy, standing: self.standing(occupancy) })
-            .collect()
-    }
-
-    fn possible_poses(&self, mode: &Mode, indices: &[u32]) -> Vec<Occupancy> {
-        let possible = self.obstructions(mode, Presence::Possible);
-        indices.iter().filter_map(|i| possible.get(*i as usize)).map(|obstruction| obstruction.occupancy).collect()
-    }
-
-    /// What a mode without a way depends on: the alternatives at its ends, or at the one that is named, and the certain poses
-    /// that are in the way.
-    fn without_way(&self, mode: &Mode, causes: &[(Cause, u64)]) -> Vec<Choice> {
-        let named = |occupancy: &Occupancy| {
-            let name = &self.problem.movable[occupancy.object.index()].name;
-            causes.iter().any(|(cause, _)| {
-                let Cause::NoPath { blocking, .. } = cause else { return false };
-                blocking.iter().any(|body| matches!(body, BodyRef::Object(object) if object == name))
-            })
-        };
-        let certain = self.obstructions(mode, Presence::Certain).into_iter().map(|obstruction| obstruction.occupancy);
-        let mut pairs: Vec<PairId> =
-            mode.begins.map(|event| event.pair).into_iter().chain([self.own_pair(mode)]).collect();
-        let is_named = |id: &PairId| {
-            let name = Some(&self.problem.pair(*id).name);
-            causes.iter().any(|(cause, _)| matches!(cause, Cause::NoPath { pair, .. } if pair.as_ref() == name))
-        };
-        if pairs.iter().any(is_named) {
-            pairs.retain(is_named);
-        }
-        certain.filter(named).map(Choice::Pose).chain(pairs.into_iter().map(Choice::Alternative)).collect()
+    fn obstructions(&self, poses: &BTreeSet<Occupancy>) -> Vec<Obstruction> {
+        poses.iter().map(|pose| Obstruction { occupancy: *pose, standing: self.standing(*pose) }).collect()
     }
 
     /// The pair that a mode belongs to; a closing return to the last one.

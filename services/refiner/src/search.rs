@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use contract::{
     Answer, AskFault, AskStages, CauseTally, Decision, FailureReport, Job, JobId, Ledger, LedgerEntry, Literal,
-    MOST_PLACEMENT_SAMPLES, Merge, Nogood, PlacementCandidate, PlacementJob, ProblemStatement, Request, Soundness,
-    StageKind, WorkKind,
+    MOST_PLACEMENT_SAMPLES, Merge, Nogood, PlacementCandidate, PlacementJob, ProblemStatement, Request, SamplesJob,
+    Soundness, StageKind, WorkKind,
 };
-use model::{FailurePolicy, Problem};
+use model::{FailurePolicy, PairId, Pose, Problem};
 use plan::{Cause, Certificate, PairPoint, ResultKind, StageCount};
 use skeleton::{Cycle, Skeleton};
 
@@ -15,6 +15,7 @@ use crate::asking::misfit;
 use crate::budgets::Budgets;
 use crate::candidate::{Candidate, Found};
 use crate::conflict::{Choice, Conflict, Halt, Stuck};
+use crate::generalise::{Lesson, Meeting, Table};
 use crate::{End, Refinement};
 
 /// State of one search.
@@ -29,6 +30,16 @@ pub(crate) struct Search<'a> {
     /// Further conflicts of the present placement candidate than the one for which it is given up. They rest on no
     /// ordering, least of all on one that is tried and taken back.
     pub(crate) aside: Vec<Conflict>,
+    /// What the present placement candidate has shown of others.
+    pub(crate) lessons: Vec<Lesson>,
+    /// Level of the present candidate's placements.
+    placement_level: u32,
+    /// Samples of hops at that level, once asked for.
+    samples: BTreeMap<PairId, Vec<(u32, Pose)>>,
+    /// Which of them leave a hand no grasp, once asked for.
+    pub(crate) tables: BTreeMap<Meeting, Table>,
+    /// Tables from which lessons were drawn.
+    pub(crate) taught: BTreeSet<Meeting>,
     pub(crate) used: BTreeSet<JobId>,
     pub(crate) counts: BTreeMap<StageKind, StageCount>,
     /// Work units spent on what may be limited.
@@ -60,6 +71,11 @@ impl<'a> Search<'a> {
             causes: CauseTally::default(),
             met: CauseTally::default(),
             aside: Vec::new(),
+            lessons: Vec::new(),
+            placement_level: 0,
+            samples: BTreeMap::new(),
+            tables: BTreeMap::new(),
+            taught: BTreeSet::new(),
             used: BTreeSet::new(),
             counts: BTreeMap::new(),
             spent: BTreeMap::new(),
@@ -195,14 +211,14 @@ impl<'a> Search<'a> {
     ) -> Result<Result<PlacementCandidate, FailureReport>, Halt> {
         let most = (MOST_PLACEMENT_SAMPLES / u64::from(self.problem().levels.placements.max(1))).max(1).ilog2();
         let level = level.min(most);
+        self.place_at(level);
         let job = PlacementJob { level, first, count: 1, nogoods: nogoods.to_vec() };
         let job = Budgets::at(&self.problem().levels, level, &self.statement.options).job(Request::Placement(job));
         match self.ask_one(&job)?.result {
-            Ok(Answer::Placements(candidates)) => Ok(candidates.into_iter().next().ok_or(FailureReport {
-                causes: Vec::new(),
-                soundness: Soundness::Soft { level },
-                certificate: None,
-            })),
+            Ok(Answer::Placements(candidates)) => {
+                let none = || FailureReport::soft(CauseTally::default(), level);
+                Ok(candidates.into_iter().next().ok_or_else(none))
+            }
             Ok(_) => Err(misfit(StageKind::Placement).into()),
             Err(mut report) => {
                 self.causes.count_all(&report.causes);
@@ -213,6 +229,31 @@ impl<'a> Search<'a> {
                 Ok(Err(report))
             }
         }
+    }
+
+    /// Numbers and poses of the samples of a pair's hop.
+    pub(crate) fn samples_of(&mut self, pair: PairId) -> Result<Vec<(u32, Pose)>, Halt> {
+        let level = self.placement_level;
+        if let Some(known) = self.samples.get(&pair) {
+            return Ok(known.clone());
+        }
+        let request = Request::Samples(SamplesJob { pair, level });
+        let job = Budgets::at(&self.problem().levels, level, &self.statement.options).job(request);
+        let samples = match self.ask_one(&job)?.result {
+            Ok(Answer::Samples(samples)) => samples,
+            Ok(_) => return Err(misfit(StageKind::Placement).into()),
+            Err(_) => Vec::new(),
+        };
+        self.samples.insert(pair, samples.clone());
+        Ok(samples)
+    }
+
+    /// Placements are from now on those of a level.
+    pub(crate) fn place_at(&mut self, level: u32) {
+        if self.placement_level != level {
+            (self.samples, self.tables, self.taught) = Default::default();
+        }
+        self.placement_level = level;
     }
 
     /// Learns from the conflict for which a candidate was given up and from those laid aside. False: one of them depends on
@@ -232,6 +273,14 @@ impl<'a> Search<'a> {
                 return false;
             }
             self.learn(level, &conflict, &literals);
+            nogoods.push(literals);
+        }
+        for Lesson { literals, cause, proof } in std::mem::take(&mut self.lessons) {
+            if literals.is_empty() || nogoods.contains(&literals) {
+                continue;
+            }
+            let (cause, soundness) = (Some(cause), Soundness::Soft { level });
+            self.commit(LedgerEntry::Learnt(Nogood { literals: literals.clone(), cause, soundness, proof }));
             nogoods.push(literals);
         }
         true
@@ -254,13 +303,16 @@ impl<'a> Search<'a> {
         candidate: &PlacementCandidate,
     ) -> Result<Found, Stuck> {
         self.aside.clear();
+        self.lessons.clear();
         let budgets = Budgets::at(&self.problem().levels, level, &self.statement.options);
         let mut skeleton = skeleton.clone();
         for order in &candidate.orders {
             if let Err(cycle) = skeleton.graph.add(order.before, order.after, skeleton::ArcOrigin::Discovered) {
                 let causes = [(self.cycle_cause(&cycle), 1)];
                 let poses = skeleton.occupancies().map(Choice::Pose);
-                return Err(Stuck::Failed(Conflict::of(poses, &causes, None)));
+                let mut conflict = Conflict::of(poses, &causes, None);
+                conflict.orders = candidate.orders.iter().map(|order| (order.before, order.after)).collect();
+                return Err(Stuck::Failed(conflict));
             }
         }
         Candidate::new(self, level, budgets, skeleton, candidate).complete(self)
@@ -285,8 +337,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// What a conflict says about a placement candidate: the samples it depends on. Start poses are nobody's choice. What
-/// stands where when depends on the candidate's orderings too, so they all count, where what stands counts.
+/// What a conflict says about a placement candidate: the samples and orderings it rests on. Start poses are nobody's choice.
 pub(crate) fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &PlacementCandidate) -> Vec<Literal> {
     let mut literals = Vec::new();
     for choice in &conflict.choices {
@@ -298,7 +349,6 @@ pub(crate) fn literals_of(problem: &Problem, conflict: &Conflict, candidate: &Pl
         let placed = candidate.placements.iter().find(|placed| creates(placed.pair));
         literals.extend(placed.map(|placed| Literal::Pose { occupancy, sample: placed.sample }));
     }
-    let orders = candidate.orders.iter().filter(|_| !conflict.under_any_orderings);
-    literals.extend(orders.map(|order| Literal::Order { before: order.before, after: order.after }));
+    literals.extend(conflict.orders.iter().map(|(before, after)| Literal::Order { before: *before, after: *after }));
     literals
 }

@@ -17,8 +17,8 @@ use std::sync::Mutex;
 
 use collision::{Geometry, GeometryError};
 use contract::{
-    Answer, Interrupted, Job, JobContext, ModeJob, Outcome, PieceJob, PieceSpec, ProblemStatement, Product, Request,
-    Stage,
+    Answer, FailureReport, Interrupted, Job, JobContext, ModeJob, Outcome, PieceJob, PieceSpec, ProblemStatement,
+    Product, Request, Stage,
 };
 use kinematics::ArmSolver;
 use model::PairId;
@@ -78,9 +78,12 @@ impl RoadmapStage {
                 let (shortest_s, in_the_way) = (glued.shortest_s, glued.in_the_way);
                 Ok(Outcome::answer(Answer::Mode { roadmap, shortest_s, in_the_way }, context.spent()))
             }
-            Err(causes) => Ok(match self.proof(job) {
-                Some(certificate) => Outcome::infeasible(causes, certificate, context.spent()),
-                None => Outcome::soft_failure(causes, job.level, context.spent()),
+            Err(no_way) => Ok(match self.proof(job) {
+                Some(certificate) => Outcome::infeasible(no_way.causes, certificate, context.spent()),
+                None => {
+                    let report = FailureReport::soft(no_way.causes, job.level).resting_on(no_way.rests_on);
+                    Outcome { result: Err(report), work: context.spent() }
+                }
             }),
         }
     }

@@ -1,12 +1,18 @@
 //! All alternatives of a pair at one level, in canonical order.
 
-use contract::{Alternative, CauseTally, Interrupted, JobContext, RandomStream, Reach, StageKind, TransitionJob};
-use model::{GraspId, Holding, Pair, Pose, RegionId, Robot, RobotId};
-use plan::Cause;
+use std::sync::Arc;
 
+use contract::{
+    Alternative, Answer, CauseTally, Choice, GraspBlockersJob, Interrupted, JobContext, Outcome, RandomStream, Reach,
+    StageKind, TransitionJob,
+};
+use model::{GraspId, Holding, Pair, Pose, RegionId, Robot, RobotId};
+use plan::{Cause, PairEnd};
+use skeleton::Occupancy;
+
+use crate::TransitionStage;
 use crate::reach::{ReachFinder, Unfit};
 use crate::stand::StandSampler;
-use crate::{Found, TransitionStage};
 
 /// Values of the redundancy parameter tried at each stand.
 const REDUNDANCY_SAMPLES: u32 = 8;
@@ -15,11 +21,52 @@ const DRAWS_PER_STAND: u64 = 8;
 /// Combinations of reaches kept of one grasp.
 const COMBINATIONS: usize = 64;
 
+/// Names of the ends in the keys of random values.
+const PICK: &str = "pick";
+const PLACE: &str = "place";
+
+/// One end of a pair under poses that a job gives.
 struct End<'a> {
     pair: &'a Pair,
     region: RegionId,
     world_from_object: Pose,
     name: &'static str,
+}
+
+/// Reaches of one end under one grasp, quickest arm motion first.
+#[derive(Default)]
+pub(crate) struct Reached {
+    reaches: Vec<Reach>,
+    causes: CauseTally,
+    work: u64,
+}
+
+/// All alternatives of one pair at one level, or why there are none.
+pub(crate) struct Found {
+    /// Reaches of the two ends by grasp.
+    ends: [Vec<Arc<Reached>>; 2],
+    /// The grasp of each alternative and its reaches at the two ends, in canonical order.
+    pub(crate) combinations: Vec<(GraspId, [usize; 2])>,
+    pub(crate) causes: CauseTally,
+    /// The poses that it rests on that there are none; not known where the budget ran out.
+    pub(crate) rests_on: Option<Vec<Choice>>,
+    pub(crate) work: u64,
+}
+
+impl Found {
+    /// Alternatives from number `first` on.
+    pub(crate) fn alternatives(&self, first: u32, count: u32) -> Vec<Alternative> {
+        let wanted = (0_u32..).zip(&self.combinations).skip(first as usize).take(count as usize);
+        let reach = |end: usize, grasp: GraspId, i: usize| self.ends[end][grasp.index()].reaches[i].clone();
+        wanted
+            .map(|(index, (grasp, [i, j]))| Alternative {
+                index,
+                grasp: *grasp,
+                pick: reach(0, *grasp, *i),
+                place: reach(1, *grasp, *j),
+            })
+            .collect()
+    }
 }
 
 impl TransitionStage {
@@ -28,58 +75,132 @@ impl TransitionStage {
         let problem = self.geometry.problem();
         let pair = problem.pair(job.pair);
         let before = context.spent();
-        let mut causes = CauseTally::default();
-        let pick = End { pair, region: pair.from, world_from_object: job.world_from_pick, name: "pick" };
-        let place = End { pair, region: pair.to, world_from_object: job.world_from_place, name: "place" };
-        let grasps = problem.movable[pair.object.index()].grasps[pair.robot.index()].len();
-        let wanted = (problem.levels.grasps as usize) << job.level.min(16);
-        let (mut by_grasp, mut either) = (Vec::new(), [false; 2]);
-        for grasp in (0..grasps.min(wanted)).map(GraspId::at) {
-            let picks = self.reaches(&pick, grasp, job.level, context, &mut causes)?;
-            let places = if picks.is_empty() {
-                Vec::new()
-            } else {
-                self.reaches(&place, grasp, job.level, context, &mut causes)?
-            };
-            either = [either[0] || !picks.is_empty(), either[1] || !places.is_empty()];
-            by_grasp.push(combinations(problem.robot(pair.robot), grasp, &picks, &places));
+        let pick = End { pair, region: pair.from, world_from_object: job.world_from_pick, name: PICK };
+        let place = End { pair, region: pair.to, world_from_object: job.world_from_place, name: PLACE };
+        let grasps = || self.grasps(pair, job.level);
+        let nothing = Arc::new(Reached::default());
+        let picks: Vec<Arc<Reached>> =
+            grasps().map(|grasp| self.reaches(&pick, grasp, job.level, context)).collect::<Result<_, _>>()?;
+        let mut places = vec![nothing; picks.len()];
+        let is_grasped = |grasp: &GraspId| !picks[grasp.index()].reaches.is_empty();
+        for grasp in grasps().filter(is_grasped) {
+            places[grasp.index()] = self.reaches(&place, grasp, job.level, context)?;
         }
-        let alternatives = in_turn(by_grasp);
-        if alternatives.is_empty() {
-            causes.count(summary(problem, pair, either));
+        let robot = problem.robot(pair.robot);
+        let by_grasp = grasps()
+            .map(|grasp| combinations(robot, grasp, &picks[grasp.index()].reaches, &places[grasp.index()].reaches));
+        let combinations = in_turn(by_grasp.collect());
+        let is_picked = picks.iter().any(|reached| !reached.reaches.is_empty());
+        if combinations.is_empty() && is_picked {
+            // Whether the place is out of reach whatever the grasp.
+            for grasp in grasps().filter(|grasp| !is_grasped(grasp)) {
+                places[grasp.index()] = self.reaches(&place, grasp, job.level, context)?;
+            }
         }
-        Ok(Found { alternatives, causes, work: context.spent() - before })
+        let ends = [picks, places];
+        let (mut causes, mut rests_on) = (CauseTally::default(), None);
+        if combinations.is_empty() {
+            ends.iter().flatten().for_each(|reached| causes.count_all(&reached.causes.clone().ranked()));
+            let serves = [0, 1].map(|end: usize| ends[end].iter().any(|reached| !reached.reaches.is_empty()));
+            causes.count(summary(problem, pair, serves));
+            rests_on = (context.left() > 0).then(|| poses_at_fault(pair, serves));
+        }
+        Ok(Found { ends, combinations, causes, rests_on, work: context.spent() - before })
     }
 
-    /// Reaches of one end under one grasp, quickest arm motion first.
+    /// Reaches of one end under one grasp. What is remembered costs the same work, for work is part of the answer.
     fn reaches(
         &self,
         end: &End<'_>,
         grasp: GraspId,
         level: u32,
         context: &mut JobContext<'_>,
-        causes: &mut CauseTally,
-    ) -> Result<Vec<Reach>, Interrupted> {
+    ) -> Result<Arc<Reached>, Interrupted> {
+        let key = contract::encode_canonical(&(&end.pair.name, end.name, grasp, end.world_from_object, level));
+        let known = self.reached.lock().ok().and_then(|memo| memo.get(&key).cloned());
+        if let Some(known) = known.filter(|known| known.work < context.left()) {
+            context.spend(known.work)?;
+            return Ok(known);
+        }
+        let reached = Arc::new(self.find_reaches(end, grasp, level, context)?);
+        // What the budget may have cut short is not all there is.
+        if context.left() > 0 {
+            crate::remember(&self.reached, key, &reached);
+        }
+        Ok(reached)
+    }
+
+    fn find_reaches(
+        &self,
+        end: &End<'_>,
+        grasp: GraspId,
+        level: u32,
+        context: &mut JobContext<'_>,
+    ) -> Result<Reached, Interrupted> {
+        let (mut reaches, mut causes, before) = (Vec::new(), CauseTally::default(), context.spent());
         let problem = self.geometry.problem();
-        let robot_id = end.pair.robot;
-        let robot = problem.robot(robot_id);
-        let finder = ReachFinder {
-            geometry: &self.geometry,
-            solver: self.solver(robot_id),
-            robot: robot_id,
-            holding: Holding { object: end.pair.object, grasp },
-            grasp: problem.movable[end.pair.object.index()].grasp(robot_id, grasp),
-            world_from_object: end.world_from_object,
-            support: problem.regions[end.region.index()].support,
-        };
+        let robot = problem.robot(end.pair.robot);
+        let finder = self.finder(end, grasp);
+        context.spend(1)?;
+        if let Some(contact) = finder.hand_contact() {
+            causes.count(contact.cause(problem));
+            return Ok(Reached { reaches, causes, work: 1 });
+        }
         // A fixed base has one stand: variety then comes from the arm's redundancy.
         let most = if robot.base.is_some() { 1 } else { problem.levels.stands as usize };
-        let mut reaches = Vec::new();
         for stand in self.stands(&finder, end, level) {
-            reaches.extend(reaches_from(&finder, &stand, (level, most), context, causes)?);
+            reaches.extend(reaches_from(&finder, &stand, (level, most), context, &mut causes)?);
         }
         reaches.sort_by(|a, b| arm_time(robot, a).total_cmp(&arm_time(robot, b)));
-        Ok(reaches)
+        Ok(Reached { reaches, causes, work: context.spent() - before })
+    }
+
+    fn finder(&self, end: &End<'_>, grasp: GraspId) -> ReachFinder<'_> {
+        let (problem, robot) = (self.geometry.problem(), end.pair.robot);
+        ReachFinder {
+            geometry: &self.geometry,
+            solver: self.solver(robot),
+            robot,
+            holding: Holding { object: end.pair.object, grasp },
+            grasp: problem.movable[end.pair.object.index()].grasp(robot, grasp),
+            world_from_object: end.world_from_object,
+            support: problem.regions[end.region.index()].support,
+        }
+    }
+
+    /// For each standing object, whether it is in the hand's way under every grasp that fixed objects leave.
+    pub(crate) fn grasp_blockers(
+        &self,
+        job: &GraspBlockersJob,
+        context: &mut JobContext<'_>,
+    ) -> Result<Outcome, Interrupted> {
+        let problem = self.geometry.problem();
+        let pair = problem.pairs.get(job.pair.index());
+        let pair = pair.ok_or_else(|| Interrupted::Unfit(format!("no pair {}", job.pair.0)))?;
+        let (region, name) = match job.end {
+            PairEnd::Pick => (pair.from, PICK),
+            PairEnd::Place => (pair.to, PLACE),
+        };
+        let end = End { pair, region, world_from_object: job.world_from_object, name };
+        let mut blocked = vec![true; job.standing.len()];
+        for grasp in self.grasps(pair, job.level) {
+            let finder = self.finder(&end, grasp);
+            context.spend(1 + job.standing.len() as u64)?;
+            if finder.hand_contact().is_none() {
+                for (standing, blocked) in job.standing.iter().zip(&mut blocked) {
+                    *blocked = *blocked && finder.hand_hits(standing);
+                }
+            }
+        }
+        Ok(Outcome::answer(Answer::Blocked(blocked), context.spent()))
+    }
+
+    /// The grasps of a pair's object that count at a level.
+    fn grasps(&self, pair: &Pair, level: u32) -> impl Iterator<Item = GraspId> + use<> {
+        let problem = self.geometry.problem();
+        let all = problem.movable[pair.object.index()].grasps[pair.robot.index()].len();
+        let wanted = (problem.levels.grasps as usize) << level.min(16);
+        (0..all.min(wanted)).map(GraspId::at)
     }
 
     /// Stands at which the robot fits folded; a fixed base has one.
@@ -149,19 +270,18 @@ fn arm_time(robot: &Robot, reach: &Reach) -> f64 {
 }
 
 /// Combinations of one grasp, least sum of arm times and straight drive first.
-fn combinations(robot: &Robot, grasp: GraspId, picks: &[Reach], places: &[Reach]) -> Vec<Alternative> {
-    let mut all: Vec<(f64, usize, usize)> = Vec::new();
+fn combinations(robot: &Robot, grasp: GraspId, picks: &[Reach], places: &[Reach]) -> Vec<(GraspId, [usize; 2])> {
+    let mut all: Vec<(f64, [usize; 2])> = Vec::new();
+    let [at_pick, at_place] =
+        [picks, places].map(|reaches| reaches.iter().map(|reach| arm_time(robot, reach)).collect::<Vec<f64>>());
     for (i, pick) in picks.iter().enumerate() {
         for (j, place) in places.iter().enumerate() {
             let drive = drive_time(robot, &pick.stand, &place.stand);
-            all.push((arm_time(robot, pick) + arm_time(robot, place) + drive, i, j));
+            all.push((at_pick[i] + at_place[j] + drive, [i, j]));
         }
     }
-    all.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    all.truncate(COMBINATIONS);
-    all.into_iter()
-        .map(|(_, i, j)| Alternative { index: 0, grasp, pick: picks[i].clone(), place: places[j].clone() })
-        .collect()
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    all.into_iter().take(COMBINATIONS).map(|(_, reaches)| (grasp, reaches)).collect()
 }
 
 fn drive_time(robot: &Robot, from: &[f64], to: &[f64]) -> f64 {
@@ -170,29 +290,36 @@ fn drive_time(robot: &Robot, from: &[f64], to: &[f64]) -> f64 {
 }
 
 /// Round by round: the best of every grasp, then the second best of every grasp, and so on.
-fn in_turn(mut by_grasp: Vec<Vec<Alternative>>) -> Vec<Alternative> {
+fn in_turn<T>(mut by_grasp: Vec<Vec<T>>) -> Vec<T> {
     by_grasp.iter_mut().for_each(|list| list.reverse());
-    let mut alternatives = Vec::new();
+    let mut in_turn = Vec::new();
     while by_grasp.iter().any(|list| !list.is_empty()) {
-        for mut alternative in by_grasp.iter_mut().filter_map(Vec::pop) {
-            alternative.index = u32::try_from(alternatives.len()).unwrap_or(u32::MAX);
-            alternatives.push(alternative);
-        }
+        in_turn.extend(by_grasp.iter_mut().filter_map(Vec::pop));
     }
-    alternatives
+    in_turn
 }
 
 /// The failure in one sentence: which end is out of reach, or that no grasp serves both.
-fn summary(problem: &model::Problem, pair: &Pair, either: [bool; 2]) -> Cause {
+fn summary(problem: &model::Problem, pair: &Pair, serves: [bool; 2]) -> Cause {
     let unreachable = |region: RegionId, robot: RobotId| Cause::Unreachable {
         robot: problem.robot(robot).name.clone(),
         pair: pair.name.clone(),
         object: problem.movable[pair.object.index()].name.clone(),
         region: problem.regions[region.index()].name.clone(),
     };
-    match either {
+    match serves {
         [false, _] => unreachable(pair.from, pair.robot),
         [true, false] => unreachable(pair.to, pair.robot),
         [true, true] => Cause::NoCommonGrasp { pair: pair.name.clone() },
+    }
+}
+
+/// The poses of which one must change: one end if only that is out of reach, else both, for a grasp serves both.
+fn poses_at_fault(pair: &Pair, serves: [bool; 2]) -> Vec<Choice> {
+    let [from, to] = [pair.hop - 1, pair.hop].map(|hop| Choice::Pose(Occupancy { object: pair.object, hop }));
+    match serves {
+        [false, _] => vec![from],
+        [true, false] => vec![to],
+        [true, true] => vec![from, to],
     }
 }

@@ -11,9 +11,10 @@ mod stand;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
+use alternatives::{Found, Reached};
 use collision::{Geometry, GeometryError, Motion};
 use contract::{
-    Alternative, Answer, BlockersJob, Interrupted, Job, JobContext, Outcome, ProblemStatement, Request, Stage,
+    Answer, BlockersJob, FailureReport, Interrupted, Job, JobContext, Outcome, ProblemStatement, Request, Stage,
     TransitionJob,
 };
 use kinematics::ArmSolver;
@@ -25,16 +26,25 @@ pub struct TransitionStage {
     geometry: Geometry,
     solvers: Vec<ArmSolver>,
     seed: u64,
-    found: Mutex<BTreeMap<Vec<u8>, Arc<Found>>>,
+    found: Memo<Found>,
+    reached: Memo<Reached>,
     /// For each pair that failed, whether it can be proven to be impossible.
     proofs: Mutex<BTreeMap<PairId, Option<Certificate>>>,
 }
 
-/// All alternatives of one pair at one level, or why there are none.
-struct Found {
-    alternatives: Vec<Alternative>,
-    causes: contract::CauseTally,
-    work: u64,
+/// Entries of a memo beyond which it begins anew.
+const MOST_REMEMBERED: usize = 4096;
+
+/// What was found out, by what it depends on.
+type Memo<T> = Mutex<BTreeMap<Vec<u8>, Arc<T>>>;
+
+fn remember<T>(memo: &Memo<T>, key: Vec<u8>, value: &Arc<T>) {
+    if let Ok(mut memo) = memo.lock() {
+        if memo.len() >= MOST_REMEMBERED {
+            memo.clear();
+        }
+        memo.insert(key, value.clone());
+    }
 }
 
 impl TransitionStage {
@@ -45,7 +55,14 @@ impl TransitionStage {
     pub fn new(statement: &ProblemStatement) -> Result<Self, GeometryError> {
         let geometry = Geometry::new(&statement.problem)?;
         let solvers = statement.problem.robots.iter().map(ArmSolver::for_robot).collect();
-        Ok(Self { geometry, solvers, seed: statement.seed, found: Mutex::default(), proofs: Mutex::default() })
+        Ok(Self {
+            geometry,
+            solvers,
+            seed: statement.seed,
+            found: Memo::default(),
+            reached: Memo::default(),
+            proofs: Mutex::default(),
+        })
     }
 
     fn solver(&self, robot: RobotId) -> &ArmSolver {
@@ -57,16 +74,20 @@ impl TransitionStage {
             return Err(Interrupted::Unfit(format!("no pair {}", job.pair.0)));
         }
         let found = self.found(job, context)?;
-        let from = (job.first as usize).min(found.alternatives.len());
-        let to = from.saturating_add(job.count as usize).min(found.alternatives.len());
-        if found.alternatives.is_empty() {
+        if found.combinations.is_empty() {
             let causes = found.causes.clone();
             return Ok(match self.proof(job.pair) {
                 Some(certificate) => Outcome::infeasible(causes, certificate, found.work),
-                None => Outcome::soft_failure(causes, job.level, found.work),
+                None => {
+                    let report = FailureReport::soft(causes, job.level);
+                    Outcome {
+                        result: Err(FailureReport { rests_on: found.rests_on.clone(), ..report }),
+                        work: found.work,
+                    }
+                }
             });
         }
-        Ok(Outcome::answer(Answer::Alternatives(found.alternatives[from..to].to_vec()), found.work))
+        Ok(Outcome::answer(Answer::Alternatives(found.alternatives(job.first, job.count)), found.work))
     }
 
     fn found(&self, job: &TransitionJob, context: &mut JobContext<'_>) -> Result<Arc<Found>, Interrupted> {
@@ -75,9 +96,7 @@ impl TransitionStage {
             return Ok(found);
         }
         let found = Arc::new(self.find(job, context)?);
-        if let Ok(mut memo) = self.found.lock() {
-            memo.insert(key, found.clone());
-        }
+        remember(&self.found, key, &found);
         Ok(found)
     }
 
@@ -130,6 +149,7 @@ impl Stage for TransitionStage {
         match &job.request {
             Request::Transition(job) => self.transition(job, context),
             Request::Blockers(job) => Ok(self.blockers(job)),
+            Request::GraspBlockers(job) => self.grasp_blockers(job, context),
             _ => Err(Interrupted::Unfit("not a job of the transition stage".to_owned())),
         }
     }

@@ -3,7 +3,7 @@
 use collision::{Contact, Geometry};
 use contract::Reach;
 use kinematics::{ArmSolver, link_pose};
-use model::{AllowedContacts, Configuration, FixedId, Grasp, Holding, Pose, Robot, RobotId};
+use model::{AllowedContacts, Configuration, FixedId, Grasp, Holding, Pose, Robot, RobotId, Standing};
 use nalgebra::{Translation3, Vector3};
 
 /// Greatest change of a joint (rad or m) between neighbouring configurations of a straight way.
@@ -48,6 +48,42 @@ impl ReachFinder<'_> {
         self.geometry
             .state_contact(self.robot, None, &folded(&robot.home), none)
             .or_else(|| self.geometry.state_contact(self.robot, Some(self.holding), &folded(&robot.carry), none))
+    }
+
+    /// What the hand touches at the object or on its short ways, wherever the robot stands and whatever its arm does.
+    pub(crate) fn hand_contact(&self) -> Option<Contact> {
+        let contact = |(holding, pose, allowed)| self.geometry.hand_contact(self.robot, holding, &pose, allowed);
+        self.hand_states().into_iter().find_map(contact)
+    }
+
+    /// Whether the hand touches a standing object there.
+    pub(crate) fn hand_hits(&self, standing: &Standing) -> bool {
+        let hits =
+            |(holding, pose, allowed)| self.geometry.hand_hits(self.robot, holding, &pose, allowed, standing).is_some();
+        self.hand_states().into_iter().any(hits)
+    }
+
+    /// Poses of the hand at the object and along its short ways that every reach goes through.
+    fn hand_states(&self) -> Vec<(Option<Holding>, Pose, AllowedContacts)> {
+        let settings = &self.geometry.problem().settings;
+        let world_from_link = self.world_from_link();
+        let back = -(world_from_link.rotation * Vector3::from(self.grasp.approach)) * settings.approach;
+        let up = Vector3::z() * settings.lift;
+        let mut states =
+            vec![(None, world_from_link, self.touching()), (Some(self.holding), world_from_link, self.lifting())];
+        let ways = [
+            (None, Vector3::zeros(), back, self.touching()),
+            (Some(self.holding), Vector3::zeros(), up, self.lifting()),
+            (Some(self.holding), up, back, AllowedContacts::default()),
+        ];
+        for (holding, from, by, allowed) in ways {
+            let steps = least_steps(&by);
+            for i in 1..=steps {
+                let shift = Translation3::from(from + by * (i as f64 / steps as f64));
+                states.push((holding, shift * world_from_link, allowed));
+            }
+        }
+        states
     }
 
     /// Completes an arm configuration at the object to a reach.
@@ -113,7 +149,7 @@ impl ReachFinder<'_> {
         offset: Vector3<f64>,
         by: Vector3<f64>,
     ) -> Result<Vec<Configuration>, Unfit> {
-        let mut steps = (by.norm() / STEP).ceil().max(1.0) as usize;
+        let mut steps = least_steps(&by);
         for _ in 0..3 {
             let way = self.follow(stand, from, offset, by, steps)?;
             if self.is_straight(&way, offset, by) {
@@ -156,4 +192,9 @@ impl ReachFinder<'_> {
             (hand - wanted).norm() <= self.geometry.problem().settings.straightness
         })
     }
+}
+
+/// Steps of a straight way at the least.
+fn least_steps(by: &Vector3<f64>) -> usize {
+    (by.norm() / STEP).ceil().max(1.0) as usize
 }

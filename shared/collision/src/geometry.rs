@@ -159,6 +159,11 @@ impl Geometry {
         &self.fixed
     }
 
+    /// What never moves about a robot: the fixed objects first.
+    pub(crate) fn around_robot(&self, robot: RobotId) -> &[Obstacle] {
+        &self.around[robot.index()]
+    }
+
     /// An object's solid, and where it is in the object's frame.
     pub(crate) fn object_solid(&self, object: ObjectId) -> (&Solid, &Pose) {
         let shape = &self.objects[object.index()];
@@ -208,7 +213,7 @@ impl Geometry {
     ) -> Option<Contact> {
         let mover = self.mover(robot, holding);
         let supports = self.supports_of_load(&mover, from, to, allowed.support);
-        let obstacles = &self.around[robot.index()];
+        let obstacles = self.around_robot(robot);
         let clearance = self.clearance();
         Passage { mover, from, to, clearance, obstacles, own: true, touch: None, supports: &supports }.contact()
     }
@@ -248,7 +253,7 @@ impl Geometry {
 
     /// Bodies of the support that a solid whose lowest point is at one of these heights touches from above: nearer than
     /// the clearance, and no deeper than the tolerance of standing.
-    fn bodies_under(&self, support: Option<FixedId>, bottoms: &[f64]) -> Vec<usize> {
+    pub(crate) fn bodies_under(&self, support: Option<FixedId>, bottoms: &[f64]) -> Vec<usize> {
         let Some(support) = support else {
             return Vec::new();
         };

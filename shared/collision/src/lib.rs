@@ -8,6 +8,7 @@ mod contact;
 mod continuous;
 mod geometry;
 mod gjk;
+mod hand;
 mod hull;
 mod impossible;
 mod motion;

@@ -82,7 +82,8 @@ impl Mover<'_> {
         }
     }
 
-    fn mount(&self, i: usize) -> (LinkId, &Pose) {
+    /// The link that bears body `i`, and where the body is in its frame.
+    pub fn mount(&self, i: usize) -> (LinkId, &Pose) {
         match (self.shape.bodies.get(i), &self.load) {
             (None, Some(load)) => (self.robot.end_effector.parent_link, &load.link_from_solid),
             _ => (self.shape.bodies[i].link, &self.shape.bodies[i].link_from_solid),

@@ -1,6 +1,7 @@
 //! Jobs: small questions to stages, each a value that holds or names everything its answer depends on.
 
 use model::{Configuration, Holding, PairId, Pose, RobotId, Standing};
+use plan::PairEnd;
 use serde::{Deserialize, Serialize};
 use skeleton::{Event, ModeId, Occupancy};
 
@@ -37,6 +38,10 @@ pub enum Request {
     Compose(ComposeJob),
     /// Placement: choices for one hop.
     Hop(HopJob),
+    /// Placement: the samples of one hop.
+    Samples(SamplesJob),
+    /// Transition: what standing objects leave no grasp at one end of a pair.
+    GraspBlockers(GraspBlockersJob),
 }
 
 /// Most samples of one hop that a level may have.
@@ -71,6 +76,31 @@ pub struct HopJob {
     pub first: u32,
     /// Number of choices.
     pub count: u32,
+}
+
+/// Asks for the samples of the hop of a pair.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SamplesJob {
+    /// The pair that places.
+    pub pair: PairId,
+    /// Sample level.
+    pub level: u32,
+}
+
+/// Asks which of the standing objects the hand alone cannot but touch at one end of a pair, whatever the grasp, the stand
+/// and the arm: at the object and on the short ways off it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GraspBlockersJob {
+    /// Pair.
+    pub pair: PairId,
+    /// Which end.
+    pub end: PairEnd,
+    /// Where the pair's object is there.
+    pub world_from_object: Pose,
+    /// Sample level: how many grasps count.
+    pub level: u32,
+    /// Objects that may stand there.
+    pub standing: Vec<Standing>,
 }
 
 /// Asks for `count` alternatives of a pair from number `first` on. Only the robot, the object and fixed objects count.
@@ -253,8 +283,8 @@ impl Request {
     #[must_use]
     pub fn stage(&self) -> StageKind {
         match self {
-            Request::Placement(_) | Request::Hop(_) => StageKind::Placement,
-            Request::Transition(_) | Request::Blockers(_) => StageKind::Transition,
+            Request::Placement(_) | Request::Hop(_) | Request::Samples(_) => StageKind::Placement,
+            Request::Transition(_) | Request::Blockers(_) | Request::GraspBlockers(_) => StageKind::Transition,
             Request::Piece(_) | Request::Mode(_) => StageKind::Roadmap,
             Request::Compose(_) => StageKind::Composite,
         }
@@ -281,7 +311,12 @@ impl Job {
             Request::Piece(piece) => Some(piece.robot),
             Request::Mode(mode) => Some(mode.mode.robot),
             Request::Blockers(blockers) => Some(blockers.robot),
-            Request::Placement(_) | Request::Hop(_) | Request::Transition(_) | Request::Compose(_) => None,
+            Request::Placement(_)
+            | Request::Hop(_)
+            | Request::Samples(_)
+            | Request::Transition(_)
+            | Request::GraspBlockers(_)
+            | Request::Compose(_) => None,
         }
     }
 
@@ -305,8 +340,10 @@ impl Job {
             },
             Request::Placement(_)
             | Request::Hop(_)
+            | Request::Samples(_)
             | Request::Transition(_)
             | Request::Blockers(_)
+            | Request::GraspBlockers(_)
             | Request::Piece(_) => Vec::new(),
         }
     }

@@ -25,12 +25,12 @@ pub use assignment::{Alternative, Assignment, DiscoveredOrder, HopChoice, Placed
 pub use codec::{CodecError, MAX_MESSAGE_BYTES, decode, encode, encode_canonical};
 pub use direct::DirectCalls;
 pub use job::{
-    BlockersJob, ComposeJob, Composition, HopJob, Job, JobId, MOST_PLACEMENT_SAMPLES, ModeJob, Obstruction, PieceJob,
-    PieceSpec, PlacementJob, Request, RoundChoice, TransitionJob,
+    BlockersJob, ComposeJob, Composition, GraspBlockersJob, HopJob, Job, JobId, MOST_PLACEMENT_SAMPLES, ModeJob,
+    Obstruction, PieceJob, PieceSpec, PlacementJob, Request, RoundChoice, SamplesJob, TransitionJob,
 };
 pub use job_ids::JobIds;
 pub use ledger::{Decision, Ledger, LedgerEntry};
-pub use outcome::{Answer, CauseTally, FailureReport, Literal, Nogood, Outcome, Soundness};
+pub use outcome::{Answer, CauseTally, Choice, FailureReport, Literal, Nogood, Outcome, Soundness};
 pub use product::{Digest, MemoryProducts, Product, ProductRef, Products};
 pub use random::{RandomStream, SampleValues, halton};
 pub use roadmap::{Edge, EdgeKind, ModeRoadmap, RoadmapPiece, VertexId};

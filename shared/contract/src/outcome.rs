@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use model::{PairId, RobotId};
+use model::{PairId, Pose, RobotId};
 use plan::{Cause, Certificate};
 use serde::{Deserialize, Serialize};
 use skeleton::{Event, ModeId, Occupancy};
@@ -25,7 +25,7 @@ pub enum Answer {
     Placements(Vec<PlacementCandidate>),
     /// To `Transition`: alternatives in canonical order; fewer than asked if the level has no more.
     Alternatives(Vec<Alternative>),
-    /// To `Blockers`: for each standing object, whether it blocks the reach.
+    /// To `Blockers` and `GraspBlockers`: for each standing object, whether it blocks the reach, or every grasp.
     Blocked(Vec<bool>),
     /// To `Piece`.
     Piece(ProductRef),
@@ -64,6 +64,8 @@ pub enum Answer {
         /// What stands in the way of samples that are no choice, most frequent first.
         causes: Vec<(Cause, u64)>,
     },
+    /// To `Samples`: numbers and poses (world from object) of those that touch nothing that is always there.
+    Samples(Vec<(u32, Pose)>),
     /// To `Synchronous`.
     Rounds {
         /// All modes committed.
@@ -94,6 +96,17 @@ pub struct FailureReport {
     pub soundness: Soundness,
     /// A proof that the whole problem has no plan, whatever is chosen elsewhere; only with [`Soundness::Hard`].
     pub certificate: Option<Certificate>,
+    /// Choices of which one must change, all else of the job being as it may; `None`: any that the job names.
+    pub rests_on: Option<Vec<Choice>>,
+}
+
+/// A choice that a failure may rest on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Choice {
+    /// Where an object stands.
+    Pose(Occupancy),
+    /// How a pair is done.
+    Alternative(PairId),
 }
 
 /// How far a failure goes.
@@ -183,8 +196,7 @@ impl Outcome {
     /// A failure at one level.
     #[must_use]
     pub fn soft_failure(causes: CauseTally, level: u32, work: u64) -> Self {
-        let soundness = Soundness::Soft { level };
-        Self { result: Err(FailureReport { causes: causes.ranked(), soundness, certificate: None }), work }
+        Self { result: Err(FailureReport::soft(causes, level)), work }
     }
 
     /// A proof that there is no plan.
@@ -195,10 +207,24 @@ impl Outcome {
 }
 
 impl FailureReport {
+    /// A failure at one level.
+    #[must_use]
+    pub fn soft(causes: CauseTally, level: u32) -> Self {
+        let soundness = Soundness::Soft { level };
+        Self { causes: causes.ranked(), soundness, certificate: None, rests_on: None }
+    }
+
+    /// The same, resting on these choices only.
+    #[must_use]
+    pub fn resting_on(mut self, choices: Vec<Choice>) -> Self {
+        self.rests_on = Some(choices);
+        self
+    }
+
     /// A proof that there is no plan.
     #[must_use]
     pub fn infeasible(causes: CauseTally, certificate: Certificate) -> Self {
-        Self { causes: causes.ranked(), soundness: Soundness::Hard, certificate: Some(certificate) }
+        Self { causes: causes.ranked(), soundness: Soundness::Hard, certificate: Some(certificate), rests_on: None }
     }
 
     /// The proof that there is no plan, if the report carries one.

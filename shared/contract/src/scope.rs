@@ -19,12 +19,12 @@ impl Scope {
     /// What a request reads. `None`: it names a pair, robot or object that the problem does not have.
     pub(crate) fn of(problem: &Problem, request: &Request) -> Option<Self> {
         let scope = match request {
-            Request::Placement(_) | Request::Hop(_) => Self::Placement,
+            Request::Placement(_) | Request::Hop(_) | Request::Samples(_) => Self::Placement,
             Request::Transition(job) => Self::of_pair(problem, job.pair)?,
             Request::Blockers(job) => Self::Robot(job.robot, Some(job.holding.object)),
             Request::Piece(job) => Self::Robot(job.robot, job.holding.map(|holding| holding.object)),
-            // Glued and composite roadmaps meet many objects.
-            Request::Mode(_) | Request::Compose(_) => Self::Whole,
+            // Glued and composite roadmaps meet many objects, and so does a hand among samples.
+            Request::Mode(_) | Request::Compose(_) | Request::GraspBlockers(_) => Self::Whole,
         };
         scope.exists_in(problem).then_some(scope)
     }

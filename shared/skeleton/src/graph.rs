@@ -154,6 +154,35 @@ impl EventGraph {
         self.arcs.truncate(checkpoint.arcs);
     }
 
+    /// Discovered arcs because of which `a` ≼ `b`: as few as one way from `a` to `b` can have.
+    #[must_use]
+    pub fn discovered_between(&self, a: Event, b: Event) -> Vec<(Event, Event)> {
+        let mut least: Vec<Option<(usize, Option<usize>)>> = vec![None; self.nodes];
+        least[a.node()] = Some((0, None));
+        let mut queue = std::collections::VecDeque::from([(0, a.node())]);
+        while let Some((cost, node)) = queue.pop_front() {
+            if least[node].is_some_and(|(known, _)| known < cost) {
+                continue;
+            }
+            for (index, arc) in self.arcs.iter().enumerate().filter(|(_, arc)| arc.before.node() == node) {
+                let is_discovered = arc.origin == ArcOrigin::Discovered;
+                let (next, cost) = (arc.after.node(), cost + usize::from(is_discovered));
+                if least[next].is_none_or(|(known, _)| cost < known) {
+                    least[next] = Some((cost, Some(index)));
+                    if is_discovered { queue.push_back((cost, next)) } else { queue.push_front((cost, next)) }
+                }
+            }
+        }
+        let (mut arcs, mut node) = (Vec::new(), b.node());
+        while let Some((_, Some(index))) = least[node] {
+            let arc = self.arcs[index];
+            arcs.extend((arc.origin == ArcOrigin::Discovered).then_some((arc.before, arc.after)));
+            node = arc.before.node();
+        }
+        arcs.reverse();
+        arcs
+    }
+
     fn reaches(&self, from: usize, to: usize) -> bool {
         self.after[from * self.words + to / 64] >> (to % 64) & 1 == 1
     }

@@ -24,7 +24,7 @@ impl<V: CompositeValidity> Search<'_, V> {
         let mut tally = CauseTally::default();
         tally.count_all(&causes);
         // Denser roadmaps may have a way, however thoroughly these were searched.
-        FailureReport { causes: tally.ranked(), soundness: Soundness::Soft { level: 0 }, certificate: None }
+        FailureReport::soft(tally, 0)
     }
 
     /// The most advanced mode vector; of several the one tried most.

@@ -53,6 +53,7 @@ impl Search<'_> {
     /// One level with merged steps.
     pub(crate) fn level_hop_by_hop(&mut self, level: u32, skeleton: &Skeleton) -> Result<LevelEnd, Halt> {
         let budgets = Budgets::at(&self.problem().levels, level, &self.statement.options);
+        self.place_at(level);
         let nothing = Partial::new(self, level, budgets, skeleton);
         let (hops, nogoods) = (in_topological_order(skeleton, self.problem().pairs.len()), Vec::new());
         let mut merged = HopByHop { search: self, level, budgets, skeleton, hops, nogoods, tried: 0, complete: 0 };

@@ -47,6 +47,7 @@ impl<'a> Partial<'a> {
         }
         let object = candidate.problem.pair(choice.placed.pair).object;
         candidate.poses[object.index()].push(choice.placed.world_from_object);
+        candidate.samples[object.index()].push(choice.placed.sample);
         candidate.orders.extend(choice.orders.iter().cloned());
         placement.orders.extend(choice.orders);
         placement.placements.push(choice.placed);

@@ -1,11 +1,12 @@
 //! Merged steps: what is asked in which sequence, and where the search goes back to.
 
-use contract::{Decision, Job, Ledger, Merge, ProblemStatement, Request, Soundness};
-use model::{FailurePolicy, PairId};
+use contract::{CauseTally, Choice, Decision, FailureReport, Job, Ledger, Merge, Outcome, ProblemStatement, Request};
+use model::{FailurePolicy, ObjectId, PairId};
 use plan::{Cause, ResultKind};
 use refiner::End;
+use skeleton::Occupancy;
 
-use crate::scripted::{Rule, Scripted, decisions, fails, statement};
+use crate::scripted::{Rule, Scripted, decisions, statement};
 
 fn merged(scene: &str, merge: Merge, causes: bool) -> ProblemStatement {
     let mut statement = statement(scene);
@@ -20,6 +21,8 @@ fn letters(asked: &[Job]) -> String {
         Request::Placement(_) => 'p',
         Request::Hop(_) => 'H',
         Request::Transition(_) => 'T',
+        Request::Samples(_) => 'S',
+        Request::GraspBlockers(_) => 'G',
         Request::Blockers(_) => 'B',
         Request::Piece(_) => 'P',
         Request::Mode(_) => 'M',
@@ -38,7 +41,7 @@ fn hops_tried(ledger: &Ledger) -> Vec<(usize, u32)> {
 
 #[test]
 fn with_merged_steps_the_pair_of_a_hop_is_served_before_the_next_hop_is_placed() {
-    for (merge, first) in [(Merge::PlacementAndTransition, "HTHTTT"), (Merge::PlacementToRoadmap, "HTPPPPPMMHT")] {
+    for (merge, first) in [(Merge::PlacementAndTransition, "HTHTTT"), (Merge::PlacementToRoadmap, "HTPPPPPPPMMMHT")] {
         let statement = merged("t03_relay", merge, true);
         let mut stages = Scripted::new(&statement, Vec::new());
         let run = stages.run();
@@ -59,7 +62,10 @@ fn out_of_reach_from(samples: std::ops::Range<u32>, of: PairId) -> Rule {
                 object: "x".into(),
                 region: "buffer".into(),
             };
-            Some(fails(cause, Soundness::Soft { level: 0 }))
+            let mut causes = CauseTally::default();
+            causes.count(cause);
+            let picked = Choice::Pose(Occupancy { object: ObjectId(0), hop: 1 });
+            Some(Outcome { result: Err(FailureReport::soft(causes, 0).resting_on(vec![picked])), work: 1 })
         }
         _ => None,
     })

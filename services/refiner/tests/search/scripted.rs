@@ -63,6 +63,8 @@ impl<'a> Scripted<'a> {
             Request::Transition(job) => {
                 Answer::Alternatives((0..3 << job.level).map(|i| alternative(problem, job.pair, i)).collect())
             }
+            Request::Samples(_) => Answer::Samples(Vec::new()),
+            Request::GraspBlockers(job) => Answer::Blocked(vec![false; job.standing.len()]),
             Request::Blockers(job) => Answer::Blocked(vec![false; job.standing.len()]),
             Request::Piece(_) => Answer::Piece(made),
             Request::Mode(_) => Answer::Mode { roadmap: made, shortest_s: 1.0, in_the_way: Vec::new() },
@@ -142,7 +144,10 @@ pub fn alternative(problem: &Problem, pair: PairId, index: u32) -> Alternative {
 }
 
 pub fn fails(cause: Cause, soundness: Soundness) -> Outcome {
-    Outcome { result: Err(FailureReport { causes: vec![(cause, 1)], soundness, certificate: None }), work: 1 }
+    Outcome {
+        result: Err(FailureReport { causes: vec![(cause, 1)], soundness, certificate: None, rests_on: None }),
+        work: 1,
+    }
 }
 
 pub fn no_path(pair: &str) -> Cause {

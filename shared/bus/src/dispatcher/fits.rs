@@ -23,6 +23,8 @@ fn is_answer_to(answer: &Answer, request: &Request) -> bool {
         }
         (Request::Transition(job), Answer::Alternatives(alternatives)) => alternatives.len() <= job.count as usize,
         (Request::Blockers(job), Answer::Blocked(blocked)) => blocked.len() == job.standing.len(),
+        (Request::GraspBlockers(job), Answer::Blocked(blocked)) => blocked.len() == job.standing.len(),
+        (Request::Samples(_), Answer::Samples(_)) => true,
         (Request::Piece(_), Answer::Piece(_)) | (Request::Mode(_), Answer::Mode { .. }) => true,
         (Request::Compose(job), answer) => match &job.composition {
             Composition::CommitMode { .. } | Composition::Drrt { .. } => matches!(answer, Answer::Committed { .. }),

@@ -276,6 +276,7 @@ pub(crate) fn product_of(outcome: &Outcome) -> Option<ProductRef> {
         Answer::Plan { plan, .. } => Some(*plan),
         Answer::Placements(_)
         | Answer::Hop { .. }
+        | Answer::Samples(_)
         | Answer::Alternatives(_)
         | Answer::Blocked(_)
         | Answer::NoPassage(_) => None,

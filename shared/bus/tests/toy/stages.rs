@@ -49,6 +49,8 @@ impl Stage for ToyStage {
             }
             Request::Transition(job) if luck.is_multiple_of(4) => Ok(failure(&format!("pair {}", job.pair.0), luck)),
             Request::Transition(_) => Ok(Outcome::answer(Answer::Alternatives(Vec::new()), luck)),
+            Request::Samples(_) => Ok(Outcome::answer(Answer::Samples(Vec::new()), luck)),
+            Request::GraspBlockers(job) => Ok(Outcome::answer(Answer::Blocked(vec![false; job.standing.len()]), luck)),
             Request::Blockers(job) => Ok(Outcome::answer(Answer::Blocked(vec![false; job.standing.len()]), luck)),
             Request::Piece(job) => {
                 let vertices = (0..self.piece_vertices).map(|i| vec![luck as f64, i as f64]).collect();

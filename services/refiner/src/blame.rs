@@ -31,17 +31,32 @@ impl Candidate<'_> {
         }
         conflict.orders = self.present_orders();
         let pairs: Vec<PairId> = conflict.pairs().collect();
-        let because = conflict.first_cause();
-        if !self.exclude(&pairs, conflict) {
-            let pairs = if pairs.is_empty() { self.every_pair() } else { pairs };
-            self.failed_together.insert(self.chosen.clone(), pairs.clone());
-            self.penalise(search, &pairs, because)?;
+        if self.exclude(&pairs, &conflict) {
+            return Ok(());
+        }
+        self.failed_together.insert(self.chosen.clone(), conflict.clone());
+        if let Some(pair) = self.penalise(&pairs) {
+            let index = self.offered[pair.index()].get(self.chosen[pair.index()]).map_or(0, |chosen| chosen.index);
+            let decision = Decision::Alternative { pair, index };
+            search.backtrack(StageKind::Transition, decision, conflict.first_cause());
+            return Ok(());
+        }
+        conflict.choices = self.skeleton.occupancies().map(Choice::Pose).collect();
+        Err(Stuck::Failed(conflict))
+    }
+
+    /// Choices that have failed together are met again: they would fail again.
+    pub(crate) fn meet_again(&mut self, conflict: Conflict) -> Result<(), Stuck> {
+        self.meetings += 1;
+        let pairs: Vec<PairId> = conflict.pairs().collect();
+        if self.meetings > MEETINGS || self.penalise(&pairs).is_none() {
+            return Err(self.given_up(StageKind::Transition, conflict));
         }
         Ok(())
     }
 
     /// What rests on how one robot does one pair, or two in a row, is excluded like a mode without a way. Whether it does.
-    fn exclude(&mut self, pairs: &[PairId], conflict: Conflict) -> bool {
+    fn exclude(&mut self, pairs: &[PairId], conflict: &Conflict) -> bool {
         let modes = self.skeleton.modes.iter().flatten();
         let of_pairs = modes.copied().find(|mode| {
             let ends: BTreeSet<PairId> = self.pairs_at_ends(mode).into_iter().flatten().collect();
@@ -52,36 +67,23 @@ impl Candidate<'_> {
             self.because[pair.index()] = conflict.first_cause();
         }
         let ends = self.present_ends(&mode);
-        let choices = conflict.choices.into_iter().filter(|choice| matches!(choice, Choice::Pose(_))).collect();
-        let Conflict { orders, causes, proof, .. } = conflict;
+        let choices = conflict.choices.iter().filter(|choice| matches!(choice, Choice::Pose(_))).copied().collect();
+        let Conflict { orders, causes, proof, .. } = conflict.clone();
         self.known_mut(&mode).no_ways.push(NoWay { ends, certain: BTreeSet::new(), choices, orders, causes, proof });
         true
     }
 
-    /// Makes the present alternative of one pair dearer: of the pair least often chosen for it, of several the last. So
-    /// pairs that exclude one another take turns.
-    pub(crate) fn penalise(
-        &mut self,
-        search: &mut Search<'_>,
-        pairs: &[PairId],
-        because: Option<Cause>,
-    ) -> Result<(), Stuck> {
-        self.meetings += u32::from(because.is_none());
-        if self.meetings > MEETINGS {
-            return Err(self.given_up(StageKind::Transition, Conflict::default()));
-        }
+    /// Makes the present alternative of one of some pairs dearer, or of all if there are none: of the pair least often
+    /// chosen for it, of several the last. So pairs that exclude one another take turns. `None`: none has another one.
+    fn penalise(&mut self, pairs: &[PairId]) -> Option<PairId> {
+        let every = self.every_pair();
+        let pairs = if pairs.is_empty() { &every } else { pairs };
         let has_choice = |pair: &&PairId| self.offered[pair.index()].len() > 1;
         let turn = |pair: &&PairId| (self.turns[pair.index()], std::cmp::Reverse(**pair));
-        let Some(pair) = pairs.iter().filter(has_choice).min_by_key(turn).or(pairs.last()).copied() else {
-            return Err(self.given_up(StageKind::Transition, Conflict::default()));
-        };
+        let pair = pairs.iter().filter(has_choice).min_by_key(turn).copied()?;
         self.turns[pair.index()] += 1;
         *self.penalties.entry((pair, self.chosen[pair.index()])).or_insert(0) += 1;
-        if let (Some(because), Some(chosen)) = (because, self.offered[pair.index()].get(self.chosen[pair.index()])) {
-            let decision = Decision::Alternative { pair, index: chosen.index };
-            search.backtrack(StageKind::Transition, decision, Some(because));
-        }
-        Ok(())
+        Some(pair)
     }
 
     /// Counts a failure whose causes are not known; when there were too many, the whole placement is given up.
@@ -94,8 +96,7 @@ impl Candidate<'_> {
     pub(crate) fn given_up(&mut self, stage: StageKind, mut conflict: Conflict) -> Stuck {
         self.patience = 0;
         conflict.choices = self.skeleton.occupancies().map(Choice::Pose).collect();
-        conflict.orders =
-            self.orders[..self.placement_orders].iter().map(|order| (order.before, order.after)).collect();
+        conflict.orders = self.present_orders();
         conflict.causes.count(Cause::Budget { stage: stage.name().to_owned() });
         Stuck::Failed(conflict)
     }

@@ -51,8 +51,8 @@ pub(crate) struct Candidate<'a> {
     pub(crate) known: Vec<Vec<Known>>,
     /// Orderings that cannot all be, with what that rests on.
     pub(crate) refuted: Vec<Conflict>,
-    /// Choices for which composite motion has failed, with the pairs at fault.
-    pub(crate) failed_together: BTreeMap<Vec<usize>, Vec<PairId>>,
+    /// Choices for which a later stage has failed, and what that rests on.
+    pub(crate) failed_together: BTreeMap<Vec<usize>, Conflict>,
     /// How often such failures were laid to an alternative.
     pub(crate) penalties: BTreeMap<(PairId, usize), u32>,
     /// How often each pair was the one to bear a penalty.

@@ -54,6 +54,9 @@ impl Candidate<'_> {
             failed.orders.remove(&(before, after));
             why.merge(failed);
         }
+        if self.patience == 0 {
+            return Err(Stuck::Failed(why));
+        }
         let Conflict { choices, orders, causes, .. } = why;
         self.known_mut(mode).assumed.push(Assumed { pose: *occupancy, orders, choices, causes });
         self.close_if_blocked(search, mode, *occupancy)?;

@@ -39,8 +39,7 @@ impl Candidate<'_> {
             let scene = self.ways_of(search, &robots)?;
             match self.failed_together.get(&self.chosen).cloned() {
                 None => return Ok(self.answers(&scene)),
-                // The same choices would fail again.
-                Some(pairs) => self.penalise(search, &pairs, None)?,
+                Some(conflict) => self.meet_again(conflict)?,
             }
         }
     }

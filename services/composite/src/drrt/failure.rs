@@ -1,6 +1,6 @@
 //! Why there is no plan: who got stuck at the furthest point, and what was in the way.
 
-use contract::{CauseTally, FailureReport, Soundness};
+use contract::{CauseTally, FailureReport};
 use plan::{BodyRef, Cause};
 
 use super::mode_vector::{BLOCKED_S, VectorId};

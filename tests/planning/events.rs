@@ -45,7 +45,7 @@ fn every_line_is_an_event_and_the_last_is_the_result() {
     assert_eq!((&result["result"], &result["event"]), (&"solved".into(), &"result".into()));
     assert!(result["plan"]["task_s"].as_f64().unwrap() >= result["plan"]["lower_bound_s"].as_f64().unwrap());
     let failed = events("t14_blocked_for_ever", &["--in-process"]);
-    let job = failed.iter().find(|event| event["event"] == "job").unwrap();
+    let job = solved.iter().find(|event| event["event"] == "job").unwrap();
     assert!(job["stage"].is_string() && job["cause"].is_object() && job["words"].is_string(), "{job}");
     let backtrack = failed.iter().find(|event| event["event"] == "backtrack").unwrap();
     assert!(backtrack["words"].as_str().unwrap().contains("m2 in the way"), "{backtrack}");

@@ -35,24 +35,21 @@ impl Candidate<'_> {
             return Ok(());
         }
         self.failed_together.insert(self.chosen.clone(), conflict.clone());
-        if let Some(pair) = self.penalise(&pairs) {
-            let index = self.offered[pair.index()].get(self.chosen[pair.index()]).map_or(0, |chosen| chosen.index);
-            let decision = Decision::Alternative { pair, index };
-            search.backtrack(StageKind::Transition, decision, conflict.first_cause());
-            return Ok(());
-        }
-        conflict.choices = self.skeleton.occupancies().map(Choice::Pose).collect();
-        Err(Stuck::Failed(conflict))
+        let because = conflict.first_cause();
+        let pair = self.penalise(&pairs, conflict)?;
+        let index = self.chosen(pair).map_or(0, |chosen| chosen.index);
+        search.backtrack(StageKind::Transition, Decision::Alternative { pair, index }, because);
+        Ok(())
     }
 
     /// Choices that have failed together are met again: they would fail again.
     pub(crate) fn meet_again(&mut self, conflict: Conflict) -> Result<(), Stuck> {
         self.meetings += 1;
         let pairs: Vec<PairId> = conflict.pairs().collect();
-        if self.meetings > MEETINGS || self.penalise(&pairs).is_none() {
+        if self.meetings > MEETINGS {
             return Err(self.given_up(StageKind::Transition, conflict));
         }
-        Ok(())
+        self.penalise(&pairs, conflict).map(drop)
     }
 
     /// What rests on how one robot does one pair, or two in a row, is excluded like a mode without a way. Whether it does.
@@ -74,16 +71,31 @@ impl Candidate<'_> {
     }
 
     /// Makes the present alternative of one of some pairs dearer, or of all if there are none: of the pair least often
-    /// chosen for it, of several the last. So pairs that exclude one another take turns. `None`: none has another one.
-    fn penalise(&mut self, pairs: &[PairId]) -> Option<PairId> {
+    /// chosen for it, of several the last. So pairs that exclude one another take turns. Where none has another one, the
+    /// conflict is one of the poses.
+    fn penalise(&mut self, pairs: &[PairId], mut conflict: Conflict) -> Result<PairId, Stuck> {
         let every = self.every_pair();
         let pairs = if pairs.is_empty() { &every } else { pairs };
-        let has_choice = |pair: &&PairId| self.offered[pair.index()].len() > 1;
+        let has_choice = |pair: &&PairId| self.open[pair.index()].len() > 1;
         let turn = |pair: &&PairId| (self.turns[pair.index()], std::cmp::Reverse(**pair));
-        let pair = pairs.iter().filter(has_choice).min_by_key(turn).copied()?;
+        let next = pairs.iter().filter(has_choice).min_by_key(turn).copied();
+        let Some(pair) = next.filter(|_| !self.all_have_failed()) else {
+            conflict.choices = self.skeleton.occupancies().map(Choice::Pose).collect();
+            return Err(Stuck::Failed(conflict));
+        };
         self.turns[pair.index()] += 1;
         *self.penalties.entry((pair, self.chosen[pair.index()])).or_insert(0) += 1;
-        Some(pair)
+        Ok(pair)
+    }
+
+    /// Whether all combinations of alternatives that are open have failed.
+    fn all_have_failed(&self) -> bool {
+        let is_open = |(pair, number): (usize, &usize)| self.open[pair].contains(number);
+        let counts = |(chosen, failed): &(&Vec<usize>, &Conflict)| {
+            self.hold(&failed.orders) && chosen.iter().enumerate().all(is_open)
+        };
+        let combinations = self.open.iter().fold(1, |product: usize, open| product.saturating_mul(open.len()));
+        self.failed_together.iter().filter(counts).count() >= combinations
     }
 
     /// Counts a failure whose causes are not known; when there were too many, the whole placement is given up.

@@ -45,6 +45,8 @@ pub(crate) struct Candidate<'a> {
     pub(crate) blocked: Vec<Vec<Blocked>>,
     /// The alternative chosen of each pair, by its place among those offered.
     pub(crate) chosen: Vec<usize>,
+    /// Alternatives of each pair that are not excluded.
+    pub(crate) open: Vec<BTreeSet<usize>>,
     /// The last failure of each pair's present alternative.
     pub(crate) because: Vec<Option<Cause>>,
     /// What is known of each mode of each robot.
@@ -105,6 +107,7 @@ impl<'a> Candidate<'a> {
             offered: vec![Vec::new(); pairs],
             blocked: vec![Vec::new(); pairs],
             chosen: vec![0; pairs],
+            open: vec![BTreeSet::new(); pairs],
             because: vec![None; pairs],
             refuted: Vec::new(),
             failed_together: BTreeMap::new(),

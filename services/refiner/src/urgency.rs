@@ -14,7 +14,7 @@ use crate::candidate::{Candidate, Modes};
 use crate::commit::Round;
 use crate::conflict::Halt;
 use crate::give_way::GiveWay;
-use crate::roadmaps::ModeAnswer;
+use crate::known::ModeAnswer;
 use crate::search::Search;
 
 /// How many other orders are tried.

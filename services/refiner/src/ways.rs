@@ -37,7 +37,8 @@ impl Candidate<'_> {
         let robots: Vec<RobotId> = self.problem.robot_ids().collect();
         loop {
             let scene = self.ways_of(search, &robots)?;
-            match self.failed_together.get(&self.chosen).cloned() {
+            let failed = self.failed_together.get(&self.chosen).filter(|failed| self.hold(&failed.orders));
+            match failed.cloned() {
                 None => return Ok(self.answers(&scene)),
                 Some(conflict) => self.meet_again(conflict)?,
             }
@@ -116,7 +117,12 @@ impl Candidate<'_> {
         let mut dead_ends = Vec::new();
         for robot in robots.iter().copied() {
             let pairs = self.served_pairs(robot);
-            match self.chain(scene, robot, &pairs).best() {
+            let chain = self.chain(scene, robot, &pairs);
+            for (pair, alternatives) in pairs.iter().zip(&chain.alternatives) {
+                let is_open = |number: &usize| alternatives[*number].is_some();
+                self.open[pair.index()] = (0..alternatives.len()).filter(is_open).collect();
+            }
+            match chain.best() {
                 Ok(best) => {
                     for (pair, number) in pairs.into_iter().zip(best) {
                         self.decide(search, pair, number);

@@ -173,10 +173,9 @@ impl Candidate<'_> {
             for sample in
                 others.iter().filter(|sample| reverse.as_ref().is_none_or(|table| table.blocks(**sample, *mine)))
             {
-                let conflict = Conflict::of([own, meeting.other].map(Choice::Pose), &[], None);
-                let literals = self.literals(&conflict, |pose| if pose == own { *mine } else { *sample });
+                let samples = [(own, *mine), (meeting.other, *sample)];
                 let cause = self.blocked_by(meeting.pair, meeting.other);
-                search.lessons.push(Lesson { literals, cause, proof });
+                search.lessons.push(Lesson { literals: literals(samples), cause, proof });
             }
         }
         Ok(())
@@ -234,16 +233,10 @@ impl Candidate<'_> {
         let hop = (occupancy.hop as usize).checked_sub(1)?;
         self.skeleton.hops[occupancy.object.index()].get(hop).copied()
     }
+}
 
-    /// What a conflict says about placement candidates: the samples and orderings it rests on. Start poses are nobody's
-    /// choice.
-    fn literals(&self, conflict: &Conflict, sample: impl Fn(Occupancy) -> u32) -> Vec<Literal> {
-        let pose = |choice: &Choice| match *choice {
-            Choice::Pose(occupancy) if occupancy.hop > 0 => {
-                Some(Literal::Pose { occupancy, sample: sample(occupancy) })
-            }
-            _ => None,
-        };
-        conflict.choices.iter().filter_map(pose).collect()
-    }
+/// Samples as literals. Start poses are nobody's choice.
+fn literals(samples: [(Occupancy, u32); 2]) -> Vec<Literal> {
+    let chosen = samples.into_iter().filter(|(occupancy, _)| occupancy.hop > 0);
+    chosen.map(|(occupancy, sample)| Literal::Pose { occupancy, sample }).collect()
 }

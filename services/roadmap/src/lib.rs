@@ -10,6 +10,7 @@ mod blocked;
 mod connect;
 mod glue;
 mod graph;
+mod no_way;
 mod retreat;
 
 use std::collections::BTreeMap;

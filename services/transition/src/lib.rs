@@ -5,18 +5,20 @@
 //! only configurations are tested, no edges: `Request::Blockers` tells afterwards which standing objects are in the way.
 
 mod alternatives;
+mod ends;
 mod reach;
 mod stand;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use alternatives::{Found, Reached};
+use alternatives::Found;
 use collision::{Geometry, GeometryError, Motion};
 use contract::{
     Answer, BlockersJob, FailureReport, Interrupted, Job, JobContext, Outcome, ProblemStatement, Request, Stage,
     TransitionJob,
 };
+use ends::Reached;
 use kinematics::ArmSolver;
 use model::{AllowedContacts, Configuration, PairId, RobotId};
 use plan::Certificate;

@@ -41,8 +41,10 @@ pub(crate) struct Candidate<'a> {
     pub(crate) placement_orders: usize,
     /// Alternatives of each pair as the transition stage gave them.
     pub(crate) offered: Vec<Vec<Alternative>>,
-    /// What is in the way of each of them.
-    pub(crate) blocked: Vec<Vec<Blocked>>,
+    /// What can be there at the two events of each pair.
+    pub(crate) at_events: Vec<[Vec<Occupancy>; 2]>,
+    /// What is in the way of each alternative, once asked for.
+    pub(crate) blocked: Vec<Vec<Option<Blocked>>>,
     /// The alternative chosen of each pair, by its place among those offered.
     pub(crate) chosen: Vec<usize>,
     /// Alternatives of each pair that are not excluded.
@@ -105,6 +107,7 @@ impl<'a> Candidate<'a> {
             orders: placement.orders.clone(),
             placement_orders: placement.orders.len(),
             offered: vec![Vec::new(); pairs],
+            at_events: vec![[Vec::new(), Vec::new()]; pairs],
             blocked: vec![Vec::new(); pairs],
             chosen: vec![0; pairs],
             open: vec![BTreeSet::new(); pairs],
@@ -178,6 +181,8 @@ impl<'a> Candidate<'a> {
         for ((pair, job), outcome) in pairs.iter().zip(&jobs).zip(search.ask(&jobs)?) {
             match outcome.result {
                 Ok(Answer::Alternatives(alternatives)) => {
+                    self.note_events(*pair);
+                    self.blocked[pair.index()] = vec![None; alternatives.len()];
                     self.offered[pair.index()] = alternatives;
                 }
                 Ok(_) => return Err(misfit(StageKind::Transition).into()),

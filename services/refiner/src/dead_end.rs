@@ -7,6 +7,7 @@ use crate::around::instant;
 use crate::candidate::Candidate;
 use crate::conflict::{Choice, Conflict};
 use crate::known::NoWay;
+use crate::reaches::Blocked;
 use crate::ways::Scene;
 
 /// The reasons for which an alternative, or a step between two, cannot be; one is enough.
@@ -54,7 +55,8 @@ impl Candidate<'_> {
     /// The reasons against one alternative, whatever its neighbours.
     fn against(&self, scene: &Scene, pair: PairId, number: usize) -> Reasons {
         let mut reasons = Reasons::new();
-        let blocked = &self.blocked[pair.index()][number];
+        let nothing = Blocked::default();
+        let blocked = self.blocked[pair.index()][number].as_ref().unwrap_or(&nothing);
         for (end, event) in [Event::grasp(pair), Event::release(pair)].into_iter().enumerate() {
             for pose in blocked.by[end].intersection(&scene.events[pair.index()][end].certain) {
                 let mut why =

@@ -14,7 +14,6 @@ impl Candidate<'_> {
         self.ask_alternatives(search, &self.every_pair())?;
         let mut more = search.policy(StageKind::Transition).doublings();
         loop {
-            self.ask_blockers(search, &self.every_pair())?;
             let conflict = match self.settle(search) {
                 Err(Stuck::Failed(conflict)) => conflict,
                 ended => return ended,
@@ -52,6 +51,7 @@ impl Candidate<'_> {
                     let new: Vec<Alternative> = alternatives.into_iter().filter(|new| !known(new)).collect();
                     found |= !new.is_empty();
                     offered.extend(new);
+                    self.blocked[pair.index()].resize(offered.len(), None);
                 }
                 Ok(_) => return Err(misfit(StageKind::Transition).into()),
                 Err(_) => {}

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use contract::{Alternative, Answer, BlockersJob, Job, JobId, Request, StageKind};
+use contract::{Answer, BlockersJob, Job, JobId, Request, StageKind};
 use model::{Holding, PairId, Standing};
 use plan::{BodyRef, Cause};
 use skeleton::Occupancy;
@@ -21,37 +21,56 @@ pub(crate) struct Blocked {
     pub(crate) told_by: [Option<JobId>; 2],
 }
 
+/// Alternatives of a pair of which it is asked at once what blocks them.
+const AT_ONCE: usize = 4;
+
 impl Candidate<'_> {
-    /// Asks what blocks the alternatives of pairs of which it is not known yet: of all poses that can be there at all.
-    pub(crate) fn ask_blockers(&mut self, search: &mut Search<'_>, pairs: &[PairId]) -> Result<(), Stuck> {
+    /// Asks what blocks the chosen alternatives of some pairs, and the next ones. Whether anything was not known.
+    pub(crate) fn ask_blockers(&mut self, search: &mut Search<'_>, pairs: &[PairId]) -> Result<bool, Stuck> {
         let mut jobs: Vec<Job> = Vec::new();
-        let mut asked: Vec<(PairId, usize, usize, Vec<Occupancy>)> = Vec::new();
+        let mut asked: Vec<(PairId, usize)> = Vec::new();
         for pair in pairs.iter().copied() {
-            let at_events = self.around_events(pair).map(|around| everything(&around));
-            let known = self.blocked[pair.index()].len();
-            for (number, alternative) in self.offered[pair.index()].iter().enumerate().skip(known) {
-                for (end, poses) in at_events.iter().enumerate().filter(|(_, poses)| !poses.is_empty()) {
-                    jobs.push(self.blockers_job(pair, alternative, end, poses));
-                    asked.push((pair, number, end, poses.clone()));
-                }
+            let (known, chosen) = (&self.blocked[pair.index()], self.chosen[pair.index()]);
+            if known[chosen].is_some() {
+                continue;
+            }
+            for number in (chosen..known.len()).filter(|number| known[*number].is_none()).take(AT_ONCE) {
+                let ends = self.ends_to_ask(pair).into_iter();
+                jobs.extend(ends.map(|(end, poses)| self.blockers_job(pair, number, end, &poses)));
+                asked.push((pair, number));
             }
         }
-        let outcomes = search.ask(&jobs)?;
-        for pair in pairs {
-            let offered = self.offered[pair.index()].len();
-            self.blocked[pair.index()].resize(offered, Blocked::default());
+        let mut answers = jobs.iter().zip(search.ask(&jobs)?);
+        let is_news = !asked.is_empty();
+        for (pair, number) in asked {
+            let mut blocked = Blocked::default();
+            for (end, poses) in self.ends_to_ask(pair) {
+                let Some((job, outcome)) = answers.next() else { return Err(misfit(StageKind::Transition).into()) };
+                let Ok(Answer::Blocked(which)) = outcome.result else {
+                    return Err(misfit(StageKind::Transition).into());
+                };
+                let hits = poses.into_iter().zip(which).filter(|(_, blocks)| *blocks).map(|(pose, _)| pose);
+                blocked.by[end] = hits.collect();
+                blocked.told_by[end] = (!blocked.by[end].is_empty()).then(|| search.id(job));
+            }
+            self.blocked[pair.index()][number] = Some(blocked);
         }
-        for (((pair, number, end, poses), job), outcome) in asked.into_iter().zip(&jobs).zip(outcomes) {
-            let Ok(Answer::Blocked(which)) = outcome.result else { return Err(misfit(StageKind::Transition).into()) };
-            let blocked = &mut self.blocked[pair.index()][number];
-            let hits = poses.into_iter().zip(which).filter(|(_, blocks)| *blocks).map(|(pose, _)| pose);
-            blocked.by[end] = hits.collect();
-            blocked.told_by[end] = (!blocked.by[end].is_empty()).then(|| search.id(job));
-        }
-        Ok(())
+        Ok(is_news)
     }
 
-    fn blockers_job(&self, pair: PairId, alternative: &Alternative, end: usize, poses: &[Occupancy]) -> Job {
+    /// The ends of a pair where something can be, and what.
+    fn ends_to_ask(&self, pair: PairId) -> Vec<(usize, Vec<Occupancy>)> {
+        let ends = self.at_events[pair.index()].iter().cloned().enumerate();
+        ends.filter(|(_, poses)| !poses.is_empty()).collect()
+    }
+
+    /// Poses that can be there at the events of a pair at all: orderings that are only tried exclude none.
+    pub(crate) fn note_events(&mut self, pair: PairId) {
+        self.at_events[pair.index()] = self.around_events(pair).map(|around| everything(&around));
+    }
+
+    fn blockers_job(&self, pair: PairId, number: usize, end: usize, poses: &[Occupancy]) -> Job {
+        let alternative = &self.offered[pair.index()][number];
         let reach = [&alternative.pick, &alternative.place][end];
         let standing: Vec<Standing> = poses.iter().map(|occupancy| self.standing(*occupancy)).collect();
         self.budgets.job(Request::Blockers(BlockersJob {

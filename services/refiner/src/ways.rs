@@ -50,6 +50,10 @@ impl Candidate<'_> {
         loop {
             let scene = self.scene();
             self.choose(search, &scene, robots)?;
+            let pairs: Vec<PairId> = robots.iter().flat_map(|robot| self.served_pairs(*robot)).collect();
+            if self.ask_blockers(search, &pairs)? {
+                continue;
+            }
             let modes = robots.iter().flat_map(|robot| self.served_modes(*robot));
             let unknown: Vec<Mode> = modes.filter(|mode| self.present_way(&scene, mode).is_none()).collect();
             if unknown.is_empty() {
@@ -64,11 +68,18 @@ impl Candidate<'_> {
     }
 
     /// Fails if every alternative of a pair is blocked.
-    pub(crate) fn has_alternative(&mut self, pair: PairId) -> Result<(), Stuck> {
+    pub(crate) fn has_alternative(&mut self, search: &mut Search<'_>, pair: PairId) -> Result<(), Stuck> {
         let scene = self.scene();
-        let around = &scene.events[pair.index()];
-        let is_open = (0..self.offered[pair.index()].len()).any(|number| self.cost(pair, number, around).is_some());
-        if is_open { Ok(()) } else { Err(Stuck::Failed(self.dead_end(&scene, &[pair]))) }
+        loop {
+            let is_open = |number: &usize| self.cost(pair, *number, &scene.events[pair.index()]).is_some();
+            let Some(open) = (0..self.offered[pair.index()].len()).find(is_open) else {
+                return Err(Stuck::Failed(self.dead_end(&scene, &[pair])));
+            };
+            self.chosen[pair.index()] = open;
+            if !self.ask_blockers(search, &[pair])? {
+                return Ok(());
+            }
+        }
     }
 
     fn scene(&self) -> Scene {
@@ -184,8 +195,8 @@ impl Candidate<'_> {
 
     /// What an alternative costs, modes apart.
     fn cost(&self, pair: PairId, number: usize, around: &[Around; 2]) -> Option<Cost> {
-        let blocked = &self.blocked[pair.index()][number];
-        let ends = || blocked.by.iter().zip(around);
+        let blocked = self.blocked[pair.index()][number].iter();
+        let ends = || blocked.clone().flat_map(|blocked| blocked.by.iter().zip(around));
         if ends().any(|(by, around)| !by.is_disjoint(&around.certain)) {
             return None;
         }

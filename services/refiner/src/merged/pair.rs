@@ -16,9 +16,8 @@ impl Candidate<'_> {
     /// Finds a way to do the pair.
     pub(crate) fn serve(&mut self, search: &mut Search<'_>, pair: PairId) -> Result<(), Stuck> {
         self.ask_alternatives(search, &[pair])?;
-        self.ask_blockers(search, &[pair])?;
         if search.statement.options.merge != Merge::PlacementToRoadmap {
-            return self.has_alternative(pair);
+            return self.has_alternative(search, pair);
         }
         self.looks = LOOKS;
         match self.ways_of(search, &[self.problem.pair(pair).robot]) {

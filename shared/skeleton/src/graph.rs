@@ -276,6 +276,48 @@ mod tests {
         }
     }
 
+    #[test]
+    fn discovered_arcs_between_two_events_suffice_and_no_fewer_would() {
+        let mut state = 23_u64;
+        let mut next = move |n: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            usize::try_from((state >> 33) % n).unwrap()
+        };
+        let mut lengths = [0; 4];
+        for round in 0..400 {
+            let mut graph = EventGraph::unordered(2);
+            let events: Vec<Event> = graph.events().collect();
+            for i in 0..14 {
+                let origin = if i < 7 { ArcOrigin::Discovered } else { ArcOrigin::Given };
+                let _ = graph.add(events[next(14)], events[next(14)], origin);
+            }
+            let (a, b) = (events[next(14)], events[next(14)]);
+            let found = graph.discovered_between(a, b);
+            if !graph.precedes(a, b) {
+                assert_eq!(found, [], "round {round}");
+                continue;
+            }
+            let discovered: Vec<Arc> =
+                graph.arcs.iter().filter(|arc| arc.origin == ArcOrigin::Discovered).copied().collect();
+            let precedes_with = |kept: &dyn Fn(&Arc) -> bool| {
+                let mut fewer = EventGraph::unordered(2);
+                for arc in graph.arcs.iter().filter(|arc| arc.origin != ArcOrigin::Discovered || kept(arc)) {
+                    fewer.add(arc.before, arc.after, arc.origin).unwrap();
+                }
+                fewer.precedes(a, b)
+            };
+            assert!(found.iter().all(|o| discovered.iter().any(|arc| (arc.before, arc.after) == *o)), "round {round}");
+            assert!(precedes_with(&|arc| found.contains(&(arc.before, arc.after))), "round {round}");
+            for subset in 0_u32..1 << discovered.len() {
+                let kept = |arc: &Arc| discovered.iter().position(|d| d == arc).is_some_and(|i| subset >> i & 1 == 1);
+                let is_enough = (subset.count_ones() as usize) < found.len() && precedes_with(&kept);
+                assert!(!is_enough, "round {round}: {found:?} is not the least");
+            }
+            lengths[found.len().min(3)] += 1;
+        }
+        assert!(lengths[0] > 20 && lengths[1] > 20 && lengths[2] > 5, "{lengths:?}");
+    }
+
     fn searched_closure(graph: &EventGraph) -> Vec<u64> {
         (0..graph.nodes)
             .map(|start| {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod completeness;
 mod limits;
 mod merged;
 mod policies;
@@ -9,6 +10,7 @@ mod rounds;
 mod scripted;
 mod superset;
 mod urgency;
+mod worlds;
 
 use std::collections::BTreeMap;
 

@@ -1,6 +1,7 @@
 //! Scripted stages that count what they are asked.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 
 use contract::{
     Alternative, Answer, AskFault, AskStages, CompositeMethod, Composition, Decision, Digest, FailureReport, Foresight,
@@ -18,10 +19,17 @@ pub fn relay() -> ProblemStatement {
 }
 
 pub fn statement(scene: &str) -> ProblemStatement {
-    let path = format!("{}/../../launch/scenes/{scene}.yaml", env!("CARGO_MANIFEST_DIR"));
-    let mut problem = load_problem(&DiskFiles, &path).unwrap();
+    let mut problem = loaded(scene);
     problem.levels.highest = 1;
     ProblemStatement::new(problem, 5, CompositeMethod::Prioritised)
+}
+
+/// A scene; each is read once, for some tests search in it hundreds of times.
+fn loaded(scene: &str) -> Problem {
+    static SCENES: Mutex<BTreeMap<String, Problem>> = Mutex::new(BTreeMap::new());
+    let path = format!("{}/../../launch/scenes/{scene}.yaml", env!("CARGO_MANIFEST_DIR"));
+    let load = || load_problem(&DiskFiles, &path).unwrap();
+    SCENES.lock().unwrap().entry(scene.to_owned()).or_insert_with(load).clone()
 }
 
 pub type Rule = Box<dyn Fn(&Request) -> Option<Outcome>>;

@@ -93,7 +93,9 @@ impl TransitionStage {
     }
 
     fn found(&self, job: &TransitionJob, context: &mut JobContext<'_>) -> Result<Arc<Found>, Interrupted> {
-        let key = contract::encode_canonical(&(job.pair, job.world_from_pick, job.world_from_place, job.level));
+        // What a budget cuts short is the answer for that budget alone.
+        let ends = (job.world_from_pick, job.world_from_place);
+        let key = contract::encode_canonical(&(job.pair, ends, job.level, context.left()));
         if let Some(found) = self.found.lock().ok().and_then(|memo| memo.get(&key).cloned()) {
             return Ok(found);
         }

@@ -2,60 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+mod common;
 
 use collision::Geometry;
-use contract::{
-    Alternative, Answer, CompositeMethod, Job, JobContext, MemoryProducts, Outcome, ProblemStatement, Reach, Request,
-    Stage, TransitionJob,
-};
+use common::{alternatives, ask, first_hops, job, middle_of_target, scene, statement};
+use contract::{Alternative, Reach, Request};
 use kinematics::link_pose;
-use model::{AllowedContacts, DiskFiles, Holding, PairId, Pose, Problem, load_problem};
+use model::{AllowedContacts, Holding, PairId, Pose};
 use nalgebra::{Translation3, Vector3};
 use transition::TransitionStage;
-
-fn scene(name: &str) -> Problem {
-    let path = format!("{}/../../launch/scenes/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
-    load_problem(&DiskFiles, &path).unwrap()
-}
-
-/// The middle of a pair's target region, upright.
-fn middle_of_target(problem: &Problem, pair: PairId) -> Pose {
-    let pair = problem.pair(pair);
-    let region = &problem.regions[pair.to.index()];
-    let height = problem.movable[pair.object.index()].origin_height();
-    region.world_from_region * Translation3::new(0.0, 0.0, height)
-}
-
-fn job(problem: &Problem, pair: PairId, count: u32) -> Job {
-    let world_from_pick = problem.movable[problem.pair(pair).object.index()].world_from_start;
-    let world_from_place = middle_of_target(problem, pair);
-    let request = TransitionJob { pair, world_from_pick, world_from_place, level: 0, first: 0, count };
-    Job { request: Request::Transition(request), budget: 1_000_000 }
-}
-
-fn ask(stage: &TransitionStage, statement: &ProblemStatement, job: &Job) -> Outcome {
-    let products = MemoryProducts::default();
-    let mut context = JobContext::new(job.id(statement), job, &products, Arc::new(AtomicBool::new(false)));
-    stage.refine(job, &mut context).unwrap()
-}
-
-fn statement(problem: Problem) -> ProblemStatement {
-    ProblemStatement::new(problem, 1, CompositeMethod::Prioritised)
-}
-
-fn alternatives(outcome: Outcome) -> Vec<Alternative> {
-    match outcome.result {
-        Ok(Answer::Alternatives(alternatives)) => alternatives,
-        other => panic!("{other:?}"),
-    }
-}
-
-/// First hops: those whose object is where the problem puts it.
-fn first_hops(problem: &Problem) -> Vec<PairId> {
-    (0..problem.pairs.len()).map(PairId::at).filter(|pair| problem.pair(*pair).hop == 1).collect()
-}
 
 fn check_reach(geometry: &Geometry, pair: PairId, alternative: &Alternative, reach: &Reach, world_from_object: &Pose) {
     let problem = geometry.problem();

@@ -87,7 +87,7 @@ fn corners([x, y, _]: [f64; 3], world_from_object: &Pose) -> [[f64; 2]; 4] {
 }
 
 /// Whether two upright boxes overlap: no edge of either separates their footprints, nor does their height.
-fn overlap(problem: &Problem, a: (ObjectId, &Pose), b: (ObjectId, &Pose)) -> bool {
+pub fn overlap(problem: &Problem, a: (ObjectId, &Pose), b: (ObjectId, &Pose)) -> bool {
     let sizes = [a, b].map(|(object, _)| box_size(problem, object));
     if (a.1.translation.z - b.1.translation.z).abs() >= (sizes[0][2] + sizes[1][2]) / 2.0 {
         return false;

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "its input is its own")]
 
-mod check;
+pub mod check;
 
 pub use check::assert_sound;
 

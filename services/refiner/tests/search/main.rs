@@ -5,6 +5,7 @@
 mod completeness;
 mod limits;
 mod merged;
+mod mutual;
 mod policies;
 mod rounds;
 mod scripted;

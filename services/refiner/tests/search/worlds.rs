@@ -83,7 +83,7 @@ fn encode(way: Way, end: usize) -> f64 {
     FAR + f64::from(number * 2 + end as u32)
 }
 
-fn decode(x: f64) -> Option<(Way, usize)> {
+pub fn decode(x: f64) -> Option<(Way, usize)> {
     let code = (x >= FAR).then_some((x - FAR) as u32)?;
     let (number, end) = (code / 2, code % 2);
     let samples = [number / 8 % 8, number % 8];
@@ -95,7 +95,7 @@ fn pose_of(hop: u32, sample: u32) -> Pose {
 }
 
 /// Hop and sample that a pose is.
-fn told_by(pose: &Pose) -> (u32, u32) {
+pub fn told_by(pose: &Pose) -> (u32, u32) {
     let x = pose.translation.x;
     let code = if x >= FAR { (x - FAR) as u32 } else { 0 };
     (code / 10, code % 10)
@@ -185,7 +185,7 @@ impl World {
     }
 
     /// How many alternatives a pair has.
-    fn alternatives(&self, pair: usize, [from, to]: [u32; 2]) -> u32 {
+    pub fn alternatives(&self, pair: usize, [from, to]: [u32; 2]) -> u32 {
         let (own, [from, to]) = (pair as u64, [from, to].map(u64::from));
         let rate = self.rates.transition;
         let is_impossible = self.is_bad(rate, &[2, own, from])
@@ -412,7 +412,7 @@ impl World {
     }
 }
 
-fn fails_for(rests_on: Vec<Choice>) -> Outcome {
+pub fn fails_for(rests_on: Vec<Choice>) -> Outcome {
     let report = FailureReport {
         causes: vec![(no_path("x"), 1)],
         soundness: Soundness::Soft { level: 0 },

@@ -2,11 +2,13 @@
 
 use collision::{Geometry, Motion};
 use contract::{
-    CauseTally, EdgeKind, Interrupted, JobContext, PieceJob, RandomStream, RoadmapPiece, StageKind, halton,
+    CauseTally, Edge, EdgeKind, Interrupted, JobContext, PieceJob, RandomStream, RoadmapPiece, StageKind, VertexId,
+    halton,
 };
 use model::{AllowedContacts, Configuration, Robot};
 
-use crate::connect::{Neighbour, nearest, straight_edge};
+use crate::bridge::build_bridges;
+use crate::connect::nearest;
 
 /// Neighbours that a new vertex is connected to.
 pub(crate) const NEIGHBOURS: usize = 8;
@@ -18,7 +20,8 @@ pub(crate) fn folded(robot: &Robot, holding: bool) -> &[f64] {
     if holding { &robot.carry } else { &robot.home }
 }
 
-/// Vertex 0 is the start stand; then a Halton sequence over the base's limits with a keyed shift, free ones only.
+/// Vertex 0 is the start stand; then a Halton sequence over the base's limits with a keyed shift, free ones only; then
+/// bridges between parts that are not connected.
 pub(crate) fn base_piece(
     geometry: &Geometry,
     seed: u64,
@@ -47,6 +50,7 @@ pub(crate) fn base_piece(
             Some(contact) => causes.count(contact.cause(problem)),
         }
     }
+    build_bridges(geometry, robot, &mut piece, context)?;
     Ok(if piece.vertices.is_empty() { Err(causes) } else { Ok(piece) })
 }
 
@@ -64,27 +68,34 @@ fn sample(robot: &Robot, shift: &[f64; 3], index: u64, start: &Configuration) ->
 }
 
 fn add_vertex(geometry: &Geometry, robot: &Robot, piece: &mut RoadmapPiece, q: Configuration) {
-    let neighbours = nearest(robot, &piece.vertices, &q, NEIGHBOURS);
-    let new = piece.vertices.len();
-    piece.vertices.push(q.clone());
-    for Neighbour { vertex, .. } in neighbours {
-        let to = robot.short_way(&q, &piece.vertices[vertex]);
-        let motion = Motion {
-            robot: piece.robot,
-            holding: piece.holding,
-            from: q.clone(),
-            to,
-            allowed: AllowedContacts::default(),
-        };
-        if geometry.motion_contact(&motion).is_none() {
-            piece.edges.push(straight_edge(
-                robot,
-                &piece.vertices,
-                new,
-                vertex,
-                EdgeKind::Base,
-                AllowedContacts::default(),
-            ));
-        }
-    }
+    let near: Vec<usize> =
+        nearest(robot, &piece.vertices, &q, NEIGHBOURS).iter().map(|neighbour| neighbour.vertex).collect();
+    let edges = free_edges(geometry, robot, piece, &q, &near);
+    piece.vertices.push(q);
+    piece.edges.extend(edges);
+}
+
+/// Edges from the vertex that is to be added next to some others, as far as they are free.
+pub(crate) fn free_edges(
+    geometry: &Geometry,
+    robot: &Robot,
+    piece: &RoadmapPiece,
+    q: &Configuration,
+    others: &[usize],
+) -> Vec<Edge> {
+    let allowed = AllowedContacts::default();
+    let is_free = |other: &&usize| {
+        let to = robot.short_way(q, &piece.vertices[**other]);
+        let motion = Motion { robot: piece.robot, holding: piece.holding, from: q.clone(), to, allowed };
+        geometry.motion_contact(&motion).is_none()
+    };
+    let edge = |other: &usize| Edge {
+        a: VertexId::at(piece.vertices.len()),
+        b: VertexId::at(*other),
+        kind: EdgeKind::Base,
+        allowed,
+        duration_s: robot.duration(q, &robot.short_way(q, &piece.vertices[*other])),
+        blockers: Vec::new(),
+    };
+    others.iter().filter(is_free).map(edge).collect()
 }

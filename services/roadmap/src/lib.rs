@@ -7,6 +7,7 @@
 mod arm;
 mod base;
 mod blocked;
+mod bridge;
 mod connect;
 mod glue;
 mod graph;

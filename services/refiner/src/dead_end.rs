@@ -70,14 +70,10 @@ impl Candidate<'_> {
             if !ends.contains(&Some(pair)) {
                 continue;
             }
-            let is_own = |no_way: &&NoWay| {
-                let matches = |end: usize| match (ends[end] == Some(pair), no_way.ends[end]) {
-                    (true, Some(other)) => other == number,
-                    // That it is closed whatever the neighbour's alternative is its own matter; the neighbour's is not.
-                    (true, None) => ends[1 - end] == ends[end] || no_way.ends[1 - end].is_none(),
-                    (false, other) => other.is_none(),
-                };
-                matches(0) && matches(1)
+            // A mode without any way is the matter of the pair that it leads to.
+            let is_own = |no_way: &&NoWay| match no_way.ends {
+                [None, None] => ends[1].or(ends[0]) == Some(pair),
+                closed => (0..2).all(|end| closed[end].is_none_or(|other| ends[end] == Some(pair) && other == number)),
             };
             let no_ways = self.no_ways_now(mode, scene.about(mode)).filter(is_own);
             reasons.extend(no_ways.map(|no_way| self.why(mode, no_way)));

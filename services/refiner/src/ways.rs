@@ -3,6 +3,8 @@
 //! Each robot's cheapest chain of alternatives is looked at, lazily: what is not known of a mode is taken for the best,
 //! and asked for only where the cheapest chain leads (as LazySP does with edges, Dellin and Srinivasa, ICAPS 2016).
 
+use std::collections::BTreeSet;
+
 use contract::{Decision, LedgerEntry, StageKind};
 use model::{PairId, RobotId};
 use skeleton::Mode;
@@ -204,7 +206,7 @@ impl Candidate<'_> {
         Some(Cost {
             penalties: self.penalties.get(&(pair, number)).copied().unwrap_or(0),
             obstructions: 0,
-            possible: possible.collect::<std::collections::BTreeSet<_>>().len() as u32,
+            possible: possible.collect::<BTreeSet<_>>().len() as u32,
             rank: number as u32,
         })
     }
@@ -255,20 +257,17 @@ fn obstruct(chain: &mut Chain, layers: [Option<usize>; 2], ends: Ends, is_obstru
     }
 }
 
-/// Closes the step, or the alternatives, with these ends.
+/// Closes the step, or the alternatives, with these ends; without any, all alternatives of the pair that the mode leads to.
 fn close(chain: &mut Chain, layers: [Option<usize>; 2], ends: Ends) {
-    if let ([Some(from), Some(to)], [Some(i), Some(j)]) = (layers, ends)
-        && from != to
-    {
-        chain.steps[from][i][j] = None;
-        return;
-    }
-    for (layer, end) in layers.into_iter().zip(ends) {
-        let Some(layer) = layer else { continue };
-        match end {
-            Some(i) => chain.alternatives[layer][i] = None,
-            None if ends == [None, None] => chain.alternatives[layer].fill(None),
-            None => {}
+    match (layers, ends) {
+        ([Some(from), Some(to)], [Some(i), Some(j)]) if from != to => chain.steps[from][i][j] = None,
+        ([from, to], [None, None]) => to.or(from).into_iter().for_each(|layer| chain.alternatives[layer].fill(None)),
+        _ => {
+            for (layer, end) in layers.into_iter().zip(ends) {
+                if let (Some(layer), Some(i)) = (layer, end) {
+                    chain.alternatives[layer][i] = None;
+                }
+            }
         }
     }
 }

@@ -50,8 +50,8 @@ test("the bodies that the chosen cause names are painted as culprits, others are
     const picture = readPicture(await page.screenshot({ clip: { x: left, y: top + 40, width, height: height - 40 } }));
     return middleOf(picture, isCulprit).count / middleOf(picture, ([r, g, b]) => r + g + b < 740).count;
   };
-  for (const id of ["object:m1", "link:r1/arm_4", "region:far"]) assert.ok((await share([id])) > 0.5, id);
-  for (const id of ["object:bystander", "fixed:far_table", "region:near"]) assert.equal(await share([id]), 0, id);
+  for (const id of ["object:m1", "link:r1/arm_4", "region:far", "fixed:far_table"]) assert.ok((await share([id])) > 0.5, id);
+  for (const id of ["object:bystander", "region:near"]) assert.equal(await share([id]), 0, id);
   await page.evaluate(() => window.mrtamp.only(undefined));
   await page.locator(".cause").first().click();
   await drawn(page);

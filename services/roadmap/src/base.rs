@@ -2,13 +2,12 @@
 
 use collision::{Geometry, Motion};
 use contract::{
-    CauseTally, Edge, EdgeKind, Interrupted, JobContext, PieceJob, RandomStream, RoadmapPiece, StageKind, VertexId,
-    halton,
+    CauseTally, EdgeKind, Interrupted, JobContext, PieceJob, RandomStream, RoadmapPiece, StageKind, halton,
 };
 use model::{AllowedContacts, Configuration, Robot};
 
 use crate::bridge::build_bridges;
-use crate::connect::nearest;
+use crate::connect::{nearest, straight_edge};
 
 /// Neighbours that a new vertex is connected to.
 pub(crate) const NEIGHBOURS: usize = 8;
@@ -46,7 +45,10 @@ pub(crate) fn base_piece(
             break;
         }
         match geometry.state_contact(job.robot, job.holding, &q, AllowedContacts::default()) {
-            None => add_vertex(geometry, robot, &mut piece, q),
+            None => {
+                let near = nearest(robot, &piece.vertices, &q, NEIGHBOURS);
+                add_vertex(geometry, robot, &mut piece, q, near.iter().map(|neighbour| neighbour.vertex));
+            }
             Some(contact) => causes.count(contact.cause(problem)),
         }
     }
@@ -67,35 +69,33 @@ fn sample(robot: &Robot, shift: &[f64; 3], index: u64, start: &Configuration) ->
     q
 }
 
-fn add_vertex(geometry: &Geometry, robot: &Robot, piece: &mut RoadmapPiece, q: Configuration) {
-    let near: Vec<usize> =
-        nearest(robot, &piece.vertices, &q, NEIGHBOURS).iter().map(|neighbour| neighbour.vertex).collect();
-    let edges = free_edges(geometry, robot, piece, &q, &near);
+/// Adds a vertex with straight drives to those of some others to which they are free.
+pub(crate) fn add_vertex(
+    geometry: &Geometry,
+    robot: &Robot,
+    piece: &mut RoadmapPiece,
+    q: Configuration,
+    others: impl IntoIterator<Item = usize>,
+) {
+    let new = piece.vertices.len();
     piece.vertices.push(q);
-    piece.edges.extend(edges);
+    for other in others {
+        if is_free_drive(geometry, robot, piece, &piece.vertices[new], &piece.vertices[other]) {
+            let allowed = AllowedContacts::default();
+            piece.edges.push(straight_edge(robot, &piece.vertices, new, other, EdgeKind::Base, allowed));
+        }
+    }
 }
 
-/// Edges from the vertex that is to be added next to some others, as far as they are free.
-pub(crate) fn free_edges(
+/// Whether the straight drive of a piece's robot and load is free.
+pub(crate) fn is_free_drive(
     geometry: &Geometry,
     robot: &Robot,
     piece: &RoadmapPiece,
-    q: &Configuration,
-    others: &[usize],
-) -> Vec<Edge> {
-    let allowed = AllowedContacts::default();
-    let is_free = |other: &&usize| {
-        let to = robot.short_way(q, &piece.vertices[**other]);
-        let motion = Motion { robot: piece.robot, holding: piece.holding, from: q.clone(), to, allowed };
-        geometry.motion_contact(&motion).is_none()
-    };
-    let edge = |other: &usize| Edge {
-        a: VertexId::at(piece.vertices.len()),
-        b: VertexId::at(*other),
-        kind: EdgeKind::Base,
-        allowed,
-        duration_s: robot.duration(q, &robot.short_way(q, &piece.vertices[*other])),
-        blockers: Vec::new(),
-    };
-    others.iter().filter(is_free).map(edge).collect()
+    from: &Configuration,
+    to: &Configuration,
+) -> bool {
+    let (to, allowed) = (robot.short_way(from, to), AllowedContacts::default());
+    let motion = Motion { robot: piece.robot, holding: piece.holding, from: from.clone(), to, allowed };
+    geometry.motion_contact(&motion).is_none()
 }

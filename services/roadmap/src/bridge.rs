@@ -3,11 +3,11 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use collision::{Geometry, Motion};
+use collision::Geometry;
 use contract::{Interrupted, JobContext, RoadmapPiece};
 use model::{AllowedContacts, Configuration, Robot};
 
-use crate::base::{NEIGHBOURS, free_edges};
+use crate::base::{NEIGHBOURS, add_vertex, is_free_drive};
 use crate::connect::nearest;
 
 /// Least spacing of the grid (m).
@@ -115,9 +115,7 @@ impl<'a> Grid<'a> {
     }
 
     fn is_straight(&self, piece: &RoadmapPiece, from: &Configuration, to: &Configuration) -> bool {
-        let (to, allowed) = (self.robot.short_way(from, to), AllowedContacts::default());
-        let motion = Motion { robot: piece.robot, holding: piece.holding, from: from.clone(), to, allowed };
-        self.geometry.motion_contact(&motion).is_none()
+        is_free_drive(self.geometry, self.robot, piece, from, to)
     }
 
     /// Cells on a way from one part to others, found breadth first.
@@ -186,8 +184,6 @@ impl<'a> Grid<'a> {
         let near = nearest(self.robot, &piece.vertices, &q, NEIGHBOURS);
         let last = piece.vertices.len().checked_sub(1);
         let others: BTreeSet<usize> = near.into_iter().map(|neighbour| neighbour.vertex).chain(last).collect();
-        let edges = free_edges(self.geometry, self.robot, piece, &q, &others.into_iter().collect::<Vec<_>>());
-        piece.vertices.push(q);
-        piece.edges.extend(edges);
+        add_vertex(self.geometry, self.robot, piece, q, others);
     }
 }

@@ -27,8 +27,8 @@ pub(crate) struct Search<'a> {
     pub(crate) causes: CauseTally,
     /// Causes met since the present placement candidate was begun.
     pub(crate) met: CauseTally,
-    /// Further conflicts of the present placement candidate than the one for which it is given up. They rest on no
-    /// ordering, least of all on one that is tried and taken back.
+    /// Further conflicts of the present placement candidate than the one for which it is given up. They rest on no ordering
+    /// that is only tried.
     pub(crate) aside: Vec<Conflict>,
     /// What the present placement candidate has shown of others.
     pub(crate) lessons: Vec<Lesson>,
@@ -134,6 +134,7 @@ impl<'a> Search<'a> {
         };
         for level in 0..=self.problem().levels.highest {
             self.commit(LedgerEntry::Decided(Decision::Level(level)));
+            self.forget_samples();
             let end = match self.statement.options.merge {
                 Merge::None => self.level(level, &skeleton)?,
                 Merge::PlacementAndTransition | Merge::PlacementToRoadmap => self.level_hop_by_hop(level, &skeleton)?,
@@ -251,9 +252,14 @@ impl<'a> Search<'a> {
     /// Placements are from now on those of a level.
     pub(crate) fn place_at(&mut self, level: u32) {
         if self.placement_level != level {
-            (self.samples, self.tables, self.taught) = Default::default();
+            self.forget_samples();
         }
         self.placement_level = level;
+    }
+
+    /// What is known of samples counts for one level of grasps, too.
+    fn forget_samples(&mut self) {
+        (self.samples, self.tables, self.taught) = Default::default();
     }
 
     /// Learns from the conflict for which a candidate was given up and from those laid aside. False: one of them depends on

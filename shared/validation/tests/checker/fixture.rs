@@ -5,8 +5,7 @@ use model::{
     RobotId, SearchSettings, Settings,
 };
 use plan::{
-    Event, EventKind, Knot, LowerBound, Makespan, ModeKind, PLAN_FORMAT, Plan, Provenance, RobotTrajectory,
-    SearchRecord, Segment, SegmentKind,
+    Event, EventKind, Knot, LowerBound, Makespan, ModeKind, PLAN_FORMAT, Plan, RobotTrajectory, Segment, SegmentKind,
 };
 use validation::{Rule, Verdict, Violation, check_plan};
 
@@ -179,13 +178,7 @@ pub fn finish(problem: &Problem, writers: Vec<Writer>) -> Plan {
         dependencies: Vec::new(),
         makespan: Makespan { task_s: 0.0, total_s: 0.0 },
         lower_bound: LowerBound { seconds: 0.0, kind: "none".to_owned() },
-        provenance: Provenance {
-            problem_digest: String::new(),
-            seed: 0,
-            implementations: Vec::new(),
-            search: SearchRecord::default(),
-            ledger_digest: String::new(),
-        },
+        provenance: crate::certificates::failure::provenance(),
     };
     report_makespan(&mut plan);
     plan

@@ -13,12 +13,17 @@ pub fn failure(problem: &Problem, certificate: Option<Certificate>) -> Failure {
         certificate,
         stages: Vec::new(),
         reached: None,
-        provenance: Provenance {
-            problem_digest: String::new(),
-            seed: 0,
-            implementations: Vec::new(),
-            search: SearchRecord::default(),
-            ledger_digest: String::new(),
-        },
+        provenance: provenance(),
+    }
+}
+
+/// Of a plan or failure that no planner made.
+pub fn provenance() -> Provenance {
+    Provenance {
+        problem_digest: String::new(),
+        seed: 0,
+        implementations: Vec::new(),
+        search: SearchRecord::default(),
+        ledger_digest: String::new(),
     }
 }

@@ -1,6 +1,6 @@
 //! Rule V16: certificates that hold are accepted; wrong and exaggerated ones are not.
 
-mod failure;
+pub mod failure;
 mod grasps;
 mod order;
 mod reach;
